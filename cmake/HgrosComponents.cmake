@@ -1,17 +1,17 @@
-# hgros_add_components(TARGET SOURCES file.cpp ... COMPONENTS package/Name ... [LINK library ...])
+# hgros_add_components(TARGET SOURCES file.cpp ... COMPONENTS package/Name ... [LINK library ...] [NO_INSTALL])
 #
 # Creates a shared library TARGET with components: classes that the sources name with HGROS_COMPONENT(Class,
 # "package/Name"). COMPONENTS lists these names. After linking, `hgros components` checks that the library has each of them
 # and can make it.
 #
 # Writes a manifest, by which programs find the library: share/hgros/components/TARGET.yaml in the build folder, with the
-# path of the library there, and in the install prefix. Programs find the first one if its folder is in HGROS_COMPONENT_PATH.
+# path of the library there, and, without NO_INSTALL, in the install prefix. Programs find the first one if its folder is in HGROS_COMPONENT_PATH.
 #
 #     find_package(hgros REQUIRED)
 #     hgros_add_components(words SOURCES counter.cpp source.cpp COMPONENTS words/Counter words/Source)
 function(hgros_add_components target)
   include(GNUInstallDirs)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;COMPONENTS;LINK")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "NO_INSTALL" "" "SOURCES;COMPONENTS;LINK")
   set(call "hgros_add_components(${target})")
   if(TARGET ${target})
     message(FATAL_ERROR "${call}: there is already a target ${target}. Give one of them another name.")
@@ -42,9 +42,12 @@ function(hgros_add_components target)
   endif()
 
   list(JOIN arg_COMPONENTS ", " names)
-  set(folder ${CMAKE_INSTALL_DATADIR}/hgros/components)
   file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/share/hgros/components/${target}.yaml
     CONTENT "library: \"$<TARGET_FILE:${target}>\"\ncomponents: [${names}]\n")
+  if(arg_NO_INSTALL)
+    return()
+  endif()
+  set(folder ${CMAKE_INSTALL_DATADIR}/hgros/components)
   file(RELATIVE_PATH to_libraries ${CMAKE_INSTALL_FULL_DATADIR}/hgros/components ${CMAKE_INSTALL_FULL_LIBDIR})
   file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${target}_installed.yaml
     CONTENT "library: \"${to_libraries}/$<TARGET_FILE_NAME:${target}>\"\ncomponents: [${names}]\n")

@@ -43,7 +43,7 @@ bool RegisterComponent(ComponentType type) noexcept {
     known.faults[type.name] = "Two component types are named \"" + type.name + "\": in " + FileOf(at->second) +
                               " and in " + FileOf(type) + ".";
   } else if (const std::string fault = ChannelNameFault(type.name); !fault.empty()) {
-    known.faults[type.name] = "\"" + type.name + "\" cannot be the name of a component type: " + fault;
+    known.faults[type.name] = "\"" + type.name + "\" cannot be the name of a component type: " + fault + ".";
   }
   return true;
 }

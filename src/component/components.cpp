@@ -29,7 +29,7 @@ Components::Core::~Core() {
 
 OneComponent& Components::Core::Add(const ComponentType* type, const ComponentSetup& setup) {
   if (const std::string fault = ChannelNameFault(setup.name); !fault.empty()) {
-    throw Error("A component cannot be named \"" + setup.name + "\": " + fault);
+    throw Error("A component cannot be named \"" + setup.name + "\": " + fault + ".");
   }
   if (Find(setup.name) != nullptr) {
     throw Error("There are two components named \"" + setup.name + "\".", {}, "Give one another name.");

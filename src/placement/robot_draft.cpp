@@ -32,9 +32,9 @@ constexpr char kNul = '\0';
 
 void CheckName(const Field& field, std::string_view what) {
   std::string fault = ChannelNameFault(field.key);
-  if (fault.empty() && field.key.find_first_of("/.") != std::string::npos) fault = "It has a slash or a dot.";
+  if (fault.empty() && field.key.find_first_of("/.") != std::string::npos) fault = "it has a slash or a dot";
   if (fault.empty()) return;
-  throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a " + std::string(what) + ": " + fault,
+  throw ConfigError(yaml::Quoted(field.key) + " cannot be the name of a " + std::string(what) + ": " + fault + ".",
                     field.key_position, "Use letters, digits, \"_\" and \"-\".");
 }
 
@@ -73,8 +73,8 @@ std::map<std::string, std::string> ReadRemap(const Value& map) {
     if (to == remap.end()) continue;
     for (const std::string& name : {field.key, to->second}) {
       if (const std::string fault = ChannelNameFault(name); !fault.empty()) {
-        field.value.Fail("has the name " + yaml::Quoted(name) +
-                         ", which no channel can have: " + fault.substr(0, fault.size() - 1));
+        field.value.Fail("has the name " + yaml::Quoted(name) + ", which no channel can have: " + fault,
+                         "Use visible characters without spaces, such as \"robot1/scan\".");
       }
     }
   }
@@ -138,9 +138,10 @@ RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
       })) {
     return {};  // The misspelled key is reported.
   }
-  const Value components = top.Require(kComponents);
-  if (components.Map(kComponentsShape).empty()) {
-    components.Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
+  const std::optional<Value> components = top.Find(kComponents);
+  if (!components) top.value().Fail("has no \"components\"", "Add them: `components: {NAME: {type: PACKAGE/TYPE}}`.");
+  if (components->Map(kComponentsShape).empty()) {
+    components->Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
   }
   read_all(kComponents, kComponentsShape, [this](const Field& field) { ReadComponent(field); });
   read_all("hosts", "a map from names to hosts", [this](const Field& field) { ReadHost(field); });
@@ -277,17 +278,29 @@ void RobotDraft::PlaceOthers() {
 
 // A name that means two things could not be given to a command. Only a process and its component may share one.
 void RobotDraft::CheckNames() const {
-  const auto refuse = [this](const std::string& name, const FilePosition& first, const FilePosition& second) {
-    faults_.Report(ConfigError("The name " + yaml::Quoted(name) + " is taken by " + first.ToString() + ".", second,
-                               "Rename one of them."));
+  const auto refuse = [this](const std::string& name, const std::string& by, const FilePosition& first,
+                             const FilePosition& second) {
+    faults_.Report(
+        ConfigError("The name " + yaml::Quoted(name) + " is taken by " + by + " at " + first.ToString() + ".", second,
+                    "Rename one of them."));
+  };
+  const auto is_in_file = [this](const RobotProcess& process) {
+    return std::ranges::none_of(robot_.components,
+                                [&](const RobotComponent& one) { return one.at.ToString() == process.at.ToString(); });
   };
   for (const RobotProcess& process : robot_.processes) {
     const RobotComponent* same = robot_.FindComponent(process.name);
-    if (same != nullptr && same->process != process.name) refuse(process.name, same->at, process.at);
+    if (same == nullptr || same->process == process.name) continue;
+    refuse(process.name, "the component", same->at, process.at);
   }
   for (const RobotProgram& program : robot_.programs) {
-    if (const RobotComponent* same = robot_.FindComponent(program.name)) refuse(program.name, same->at, program.at);
-    if (const RobotProcess* same = robot_.FindProcess(program.name)) refuse(program.name, same->at, program.at);
+    if (const RobotComponent* same = robot_.FindComponent(program.name)) {
+      refuse(program.name, "the component", same->at, program.at);
+    }
+    if (const RobotProcess* same = robot_.FindProcess(program.name)) {
+      refuse(program.name, is_in_file(*same) ? "the process" : "the process of components without one, such as that",
+             same->at, program.at);
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #include "hgros/placement/robot_file.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <utility>
 
 #include "hgros/base/names.hpp"
@@ -13,13 +14,21 @@
 namespace hgros {
 namespace {
 
-bool IsMapWithInclude(const std::filesystem::path& file) {
-  try {
-    const yaml::Document document = yaml::Document::Load(file);
-    return std::ranges::any_of(document.root().entries, [](const auto& one) { return one.key->text == "include"; });
-  } catch (const ConfigError&) {
-    return false;
+bool IsRobotKey(const std::string& key, const std::vector<std::string>& sections_of_program) {
+  if (std::ranges::find(sections_of_program, key) != sections_of_program.end()) return false;
+  return std::ranges::find(RobotSections(), key) != RobotSections().end() || IsNearComponents(key);
+}
+
+// Of a file that cannot be read as YAML: whether a line begins with such a key, or with one that names other files.
+bool LooksLikeRobot(const std::filesystem::path& file, const std::vector<std::string>& sections_of_program) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t colon = line.find(':');
+    if (colon == std::string::npos) continue;
+    const std::string key = line.substr(0, colon);
+    if (key == "include" || IsRobotKey(key, sections_of_program)) return true;
   }
+  return false;
 }
 
 std::vector<std::string> KeysBelow(const yaml::Node& map, std::string_view key) {
@@ -98,12 +107,10 @@ bool RobotFile::Is(const std::filesystem::path& file, const std::vector<std::str
     const auto any = [](const std::string&) { return std::optional<std::string>("x"); };
     const yaml::Document document = yaml::Document::Assemble(file, any);
     return std::ranges::any_of(document.root().entries, [&](const yaml::Node::Entry& one) {
-      const std::string& key = one.key->text;
-      if (std::ranges::find(sections_of_program, key) != sections_of_program.end()) return false;
-      return std::ranges::find(RobotSections(), key) != RobotSections().end() || IsNearComponents(key);
+      return IsRobotKey(one.key->text, sections_of_program);
     });
-  } catch (const ConfigError&) {  // Only robot files include others, which may be what is wrong.
-    return IsMapWithInclude(file);
+  } catch (const ConfigError&) {
+    return LooksLikeRobot(file, sections_of_program);
   }
 }
 

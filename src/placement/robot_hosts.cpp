@@ -102,7 +102,7 @@ void RobotDraft::CheckHosts() const {
     if (home != nullptr) {
       faults_.Report(
           ConfigError("Two hosts are home: " + yaml::Quoted(home->name) + " and " + yaml::Quoted(host.name) + ".",
-                      host.at, "`hgros run` is started on one. Keep that one."));
+                      host.at, "Keep `home: true` at the one where `hgros run` is started."));
     }
     home = &host;
   }

@@ -134,7 +134,8 @@ class DocumentBuilder : public YAML::EventHandler {
   }
   // yaml-cpp also reports a bracket at the top level that is never closed as such a key.
   [[noreturn]] void FailKey(const YAML::Mark& mark) {
-    Fail("A list or map is used as a key here, but a key must be a text.", mark, "Check that every bracket is closed.");
+    Fail("A bracket is not closed here, or a list or map is used as a key.", mark,
+         "Close every bracket; a key must be a text.");
   }
 
   [[noreturn]] void FailSyntax(const YAML::Exception& error) {

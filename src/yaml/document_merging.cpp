@@ -65,7 +65,10 @@ class Assembly {
       if (!std::filesystem::exists(file, error)) {
         name.Fail("names " + Quoted(text) + ", which is no file beside this one", "Check the path.");
       }
-      if (!std::filesystem::is_regular_file(file, error) && !std::filesystem::is_directory(file, error)) {
+      if (std::filesystem::is_directory(file, error)) {
+        name.Fail("names " + Quoted(text) + ", which is a folder", "Include a file.");
+      }
+      if (!std::filesystem::is_regular_file(file, error)) {
         name.Fail("names " + Quoted(text) + ", which is a pipe or a device", "Include a file.");
       }
       Document included = Read(file, name.position());
@@ -174,7 +177,13 @@ Document Document::Assemble(const std::filesystem::path& file, const Variables& 
 }
 
 Document Document::ParseValue(std::string_view text, std::string name) {
-  Document document = Parse(text, std::move(name));
+  Document document = [&] {
+    try {
+      return Parse(text, name);
+    } catch (const ConfigError& fault) {
+      throw ConfigError(fault.sentence(), {name, 0, 0}, fault.mend());
+    }
+  }();
   for (Node& node : document.own_->nodes) node.line = node.column = 0;
   return document;
 }

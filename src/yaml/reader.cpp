@@ -15,7 +15,15 @@ namespace {
 bool IsNumber(std::string_view text) {
   if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
   return !text.empty() && text.find_first_not_of("0123456789.") == std::string_view::npos &&
-         text.find_first_of("0123456789") != std::string_view::npos;
+         std::ranges::count(text, '.') <= 1 && text.find_first_of("0123456789") != std::string_view::npos;
+}
+
+// As it may be written, with the largest unit that has no fraction.
+std::string SizeText(std::uint64_t bytes) {
+  constexpr std::array<std::string_view, 4> kUnits{"", "KiB", "MiB", "GiB"};
+  std::size_t unit = 0;
+  for (; unit + 1 < kUnits.size() && bytes >= 1024 && bytes % 1024 == 0; ++unit) bytes /= 1024;
+  return std::to_string(bytes) + std::string(kUnits.at(unit));
 }
 
 std::string Listed(const std::vector<std::string>& names) {
@@ -106,7 +114,7 @@ bool Value::Boolean() const {
 }
 
 std::uint64_t Value::SizeBytes(std::uint64_t least, std::uint64_t most) const {
-  const std::string wanted = "a size from " + std::to_string(least) + " to " + std::to_string(most) + " bytes";
+  const std::string wanted = "a size from " + SizeText(least) + " to " + SizeText(most);
   constexpr std::string_view kForms = "Write an integer, or one with KiB, MiB, GiB, kB, MB or GB, as in 64MiB.";
   constexpr std::array<std::pair<std::string_view, std::uint64_t>, 7> kUnits{{{"", 1},
                                                                               {"KiB", 1U << 10U},
@@ -174,6 +182,10 @@ Section::Section(const Value& map, std::string_view shape, std::span<const std::
     const std::string& key = entry.key->text;
     if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
       std::string mend = Suggestion(key, {known_keys.begin(), known_keys.end()}, "Known keys");
+      const std::string_view begin = std::string_view(key).substr(0, key.find(':'));
+      if (begin.size() < key.size() && std::ranges::find(known_keys, begin) != known_keys.end()) {
+        mend = "Put a space after the colon.";
+      }
       if (before != nullptr && before->kind == Node::Kind::kList && before->column == entry.key->column) {
         mend += " If it belongs to the list item above, indent it as far as the text after the dash.";
       }

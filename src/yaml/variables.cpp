@@ -28,7 +28,7 @@ std::string ValueOf(std::string_view inside, const Variables& variables, const F
   const std::size_t separator = inside.find(":-");
   const std::string name(inside.substr(0, separator));
   if (!IsName(name)) {
-    throw ConfigError("\"${" + std::string(Quoted(inside)).substr(1, 60) + " is not the name of a variable.", position,
+    throw ConfigError(Quoted("${" + std::string(inside) + "}") + " is not the name of a variable.", position,
                       "Write ${NAME} or ${NAME:-default}; for the characters themselves, $${.");
   }
   if (const std::optional<std::string> value = variables(name);

@@ -331,7 +331,7 @@ TEST(HgrosCheck, IsSilentAboutDocumentedFiles) {
       EXPECT_THAT(files.Findings({names.back()}), IsEmpty()) << file.where;
     }
     if (page == std::string("README.md")) {
-      EXPECT_THAT(files.Findings({"robot.yaml", "desk.yaml"}), IsEmpty());
+      EXPECT_THAT(files.Findings({"cart.yaml", "desk.yaml"}), IsEmpty());
     }
     if (page != std::string("docs/deployment.md")) continue;
     EXPECT_THAT(names, ElementsAre("common.yaml", "lidar.yaml", "slam.yaml", "planner.yaml", "robot1.yaml",
@@ -403,7 +403,7 @@ TEST(HgrosCheck, RefusesWhatCanBeReadOnlyOnce) {
 
 TEST(HgrosCheck, ItsExamplesWork) {
   ConfigFiles files;
-  files.Add("robot.yaml", "");
+  files.Add("cart.yaml", "");
   files.Add("desk.yaml", "");
   files.Add("common.yaml", "");
   files.Add("lidar.yaml", "");

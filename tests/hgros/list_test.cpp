@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include <foxglove/Log.pb.h>
@@ -47,6 +48,26 @@ TEST(HgrosList, ShowsOverWhichTransportsMessagesGo) {
   const auto line = [&] { return robot.Run({"list", "--json"}).out; };
   EXPECT_TRUE(test::Await([&] { return line().find("\"via\":[\"process\",\"shared memory\"]") != std::string::npos; }))
       << line();
+}
+
+TEST(HgrosList, CountsSubscribersThatOnlyThePublisherKnows) {
+  const RobotForCommands robot;
+  const std::string domain = robot.environment().at("HGROS_DOMAIN");
+  const std::string endpoint = "{ip: 'ipc:///tmp/" + domain + "_list'}";
+  setenv("HGROS_DOMAIN", domain.c_str(), 1);
+  Session here(Config::Parse("network: {publisher: " + endpoint + "}"));
+  const auto publish = here.Advertise<Log>("status");
+  const Subscription near = here.FromAny<Log>("status", Invoke::kSerial, [](const Log&) {});
+  setenv("HGROS_DOMAIN", (domain + "_there").c_str(), 1);
+  Session there(Config::Parse("network: {subscribers: [" + endpoint + "]}"));  // As on another host.
+  const Subscription far = there.FromAny<Log>("status", Invoke::kSerial, [](const Log&) {});
+  setenv("HGROS_DOMAIN", "", 1);
+  ASSERT_TRUE(here.WaitForSubscribers("status", 2, test::kPatience));
+  std::string out;
+  EXPECT_TRUE(test::Await([&] {
+    out = robot.Run({"list"}).out;
+    return out.find("status   foxglove.Log    1    2 ") != std::string::npos;
+  })) << out;
 }
 
 TEST(HgrosList, ShowsFramesWithParentAgeAndPublisher) {

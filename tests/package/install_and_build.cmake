@@ -8,6 +8,12 @@ set(ENV{DESTDIR})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --strip
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 
+# Components of tests and examples are not part of it.
+file(GLOB_RECURSE manifests ${prefix}/share/hgros/components/*)
+if(manifests)
+  message(FATAL_ERROR "Components were installed with the library: ${manifests}")
+endif()
+
 # The package must not need the tree: no static module is installed, and no installed file contains the tree's path.
 file(GLOB_RECURSE archives ${prefix}/*.a)
 if(archives)

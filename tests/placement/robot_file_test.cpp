@@ -146,7 +146,7 @@ TEST(RobotFileTest, OverridesThatFitNothingAreFaults) {
               {{"mapper.parms.x", "1", "--set mapper.parms.x"}});
   ExpectFault(kRobot, "--set processes.front.nice: processes.front.nice must be an integer from -20 to 19",
               {{"processes.front.nice", "fast", "--set processes.front.nice"}});
-  ExpectFault(kRobot, "processes.front.memory must be a size from 1048576 to 1125899906842624 bytes",
+  ExpectFault(kRobot, "processes.front.memory must be a size from 1MiB to 1048576GiB",
               {{"processes.front.memory", "200Mb", "--set processes.front.memory"}});
   ExpectFault(kRobot, "--set a: ", {{"laser.params[3]", "1", "--set a"}});
   ExpectFault(kRobot, "--set a: ", {{"laser..params", "1", "--set a"}});
@@ -165,7 +165,7 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
   ExpectFault("components: {a: {typ: y, type: x}}",
               "robot.yaml:1:18: Unknown key \"typ\" in components.a. Did you mean \"type\"?");
   ExpectFault("components: {a: {type: [x]}}", "components.a.type must be the name of a component type");
-  ExpectFault("components: {a/b: {type: x}}", "\"a/b\" cannot be the name of a component: It has a slash or a dot.");
+  ExpectFault("components: {a/b: {type: x}}", "\"a/b\" cannot be the name of a component: it has a slash or a dot.");
   ExpectFault("components: {a: {type: x, params: 5}}", "components.a.params must be a map of parameters");
   ExpectFault("components: {a: {type: x, remap: {s: 'a b'}}}", "components.a.remap.s has the name \"a b\"");
   ExpectFault("components: {a: {type: x, nodes: {s: {queu: latest}}}}", "Unknown key \"queu\"");
@@ -198,9 +198,11 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
 
 TEST(RobotFileTest, ANameMeansOneThing) {
   ExpectFault("components: {a: {type: x}}\nprograms: {a: {command: [ls]}}",
-              "The name \"a\" is taken by robot.yaml:1:14.");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {a: {}}", "The name \"a\" is taken by robot.yaml:1:14.");
-  ExpectFault("components: {a: {type: x}}\nprograms: {main: {command: [ls]}}", "The name \"main\" is taken");
+              "The name \"a\" is taken by the component at robot.yaml:1:14.");
+  ExpectFault("components: {a: {type: x}}\nprocesses: {a: {}}",
+              "The name \"a\" is taken by the component at robot.yaml:1:14.");
+  ExpectFault("components: {a: {type: x}}\nprograms: {main: {command: [ls]}}",
+              "The name \"main\" is taken by the process of components without one, such as that at robot.yaml:1:14.");
   EXPECT_TRUE(FaultsOf("components: {a: {type: x}}\nprocesses: {a: {components: [a]}}").empty());
 }
 
@@ -225,6 +227,8 @@ TEST(RobotFileTest, TellsRobotFilesFromOthers) {
   EXPECT_TRUE(RobotFile::Is(similar));
   EXPECT_FALSE(RobotFile::Is(similar, {"component"})) << "The section of a program.";
   EXPECT_TRUE(RobotFile::Is(folder.Write("g.yaml", "processes: {p: {components: [a]}}")));
+  EXPECT_TRUE(RobotFile::Is(folder.Write("i.yaml", "components: {a: {type: '${1}'}}"))) << "Whatever is wrong in it.";
+  EXPECT_TRUE(RobotFile::Is(folder.Write("j.yaml", "components: {a: {type: b}")));
   EXPECT_FALSE(RobotFile::Is(folder.Write("h.yaml", "network: {}\ncompass: {}")));
 }
 

@@ -15,7 +15,7 @@ TEST(YamlSyntax, ErrorsAreSentencesWithAPosition) {
   ExpectFault("network:\n  publisher: {ip: x\n", "2:14", {"The map that begins here is not closed"});
   ExpectFault("data_graph: {close_channels: [a, b}", "1:35", {"closes nothing"});
   ExpectFault("data_graph:\n  close_channels: [a,\nchannels:\n", "2:19", {"The list that begins here is not closed"});
-  ExpectFault("{network: {}", "1:1", {"Check that every bracket is closed."});
+  ExpectFault("{network: {}", "1:1", {"Close every bracket;"});
   ExpectFault("network: a: b", "1:11", {"A colon makes this a map where none can begin."});
   ExpectFault("network:\n    publisher: {}\n  subscribers: []\n", "3:3", {"does not continue the map", "same column"});
   ExpectFault("network: 'x' y", "1:14", {"does not continue the map"});

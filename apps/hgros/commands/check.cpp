@@ -50,7 +50,7 @@ class CheckCommand final : public Command {
            "warnings.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
-    return {{"hgros check robot.yaml desk.yaml", "Checks the files of two sessions, and against each other."},
+    return {{"hgros check cart.yaml desk.yaml", "Checks the files of two sessions, and against each other."},
             {"hgros check common.yaml+lidar.yaml desk.yaml --svg -o robot.svg",
              "Draws a session that loads two files, and one that loads a third."},
             {"hgros check --schema --section gripper -o hgros.schema.json",

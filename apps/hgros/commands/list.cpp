@@ -64,7 +64,7 @@ void List::ListChannels(Robot& robot) const {
   for (const KnownChannel& channel : robot.Channels(all_)) {
     const PublishedTotals totals = TotalsOf(counters, channel);
     records.Add({channel.name, channel.type_name, std::uint64_t{channel.publishers.size()},
-                 std::uint64_t{channel.subscribers.size()}, RateOf(totals, options_.style),
+                 channel.subscribers.size() + totals.far_subscribers, RateOf(totals, options_.style),
                  totals.latched == 0 ? Cell(totals.latched, "-") : Cell(totals.latched),
                  TransportsOf(counters, channel)});
   }

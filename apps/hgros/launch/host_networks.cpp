@@ -155,7 +155,7 @@ RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
   std::erase_if(part.processes, elsewhere);
   std::erase_if(part.programs, elsewhere);
   if (part.processes.empty() && part.programs.empty()) {
-    throw Error("Nothing of the robot runs on the host \"" + host + "\".");
+    throw Error("Nothing of the robot runs on the host \"" + host + "\".", {}, "Give a process the key `host`.");
   }
   for (RobotProcess& process : part.processes) {
     const auto network = networks.find(process.name);

@@ -69,8 +69,8 @@ bool CanBeARobot(const std::string& name) {
 
 RobotSocket::RobotSocket(const std::string& name) {
   if (std::string fault = ChannelNameFault(name); !fault.empty() || name.find('/') != std::string::npos) {
-    throw Error("\"" + name + "\" cannot be the name of a robot: " + (fault.empty() ? "It has a slash." : fault), {},
-                "Give another one with --name.");
+    throw Error("\"" + name + "\" cannot be the name of a robot: " + (fault.empty() ? "it has a slash" : fault) + ".",
+                {}, "Give another one with --name.");
   }
   const Address address = AddressOf(name);
   descriptor_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);

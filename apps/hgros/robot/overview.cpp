@@ -47,6 +47,10 @@ PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channe
     totals.encoded_bytes += one->encoded_bytes();
     totals.rate_hz += one->rate_hz();
     totals.latched = std::max<std::uint64_t>(totals.latched, one->latched());
+    const auto known = static_cast<std::uint64_t>(std::ranges::count_if(
+        channel.subscribers, [&](const ChannelUser& other) { return other.session != user.session; }));
+    if (one->subscribers() > known)
+      totals.far_subscribers = std::max(totals.far_subscribers, one->subscribers() - known);
   }
   return totals;
 }

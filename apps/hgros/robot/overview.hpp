@@ -38,8 +38,9 @@ struct PublishedTotals {
   double rate_hz = 0;
   std::uint64_t published = 0;
   std::uint64_t latched = 0;
-  std::uint64_t encoded = 0;        ///< Messages written for other sessions.
-  std::uint64_t encoded_bytes = 0;  ///< The bytes of these.
+  std::uint64_t encoded = 0;          ///< Messages written for other sessions.
+  std::uint64_t encoded_bytes = 0;    ///< The bytes of these.
+  std::uint64_t far_subscribers = 0;  ///< Sessions beyond those that are known, such as on other hosts.
 };
 [[nodiscard]] PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel);
 

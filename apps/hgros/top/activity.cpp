@@ -264,7 +264,7 @@ void Activity::AddChannel(const KnownChannel& channel, const ChannelSum& sum, co
                std::move(bandwidth),
                std::move(size),
                std::uint64_t{channel.publishers.size()},
-               std::uint64_t{channel.subscribers.size()},
+               channel.subscribers.size() + TotalsOf(counters, channel).far_subscribers,
                Drops(sum.drops_hz),
                channel.type_name,
                sum.dropped == 0 ? Cell(sum.dropped, "-") : Cell(sum.dropped).In(Style::kYellow),

@@ -104,7 +104,8 @@ struct HGROS_EXPORT RobotFile {
   [[nodiscard]] static yaml::Document Assemble(const std::filesystem::path& file, const RobotFileOptions& options = {});
   [[nodiscard]] static CheckedRobotFile Check(const yaml::Document& document, const RobotFileOptions& options = {});
   /// Whether a file is a robot file: it has a section that only those have, a key similar to "components", or includes
-  /// a file that cannot be read. Keys in `sections_of_program` do not count. False if the file itself cannot be read.
+  /// a file that cannot be read. Keys in `sections_of_program` do not count. If the file is not YAML, its lines are
+  /// looked at. False if it cannot be read.
   [[nodiscard]] static bool Is(const std::filesystem::path& file,
                                const std::vector<std::string>& sections_of_program = {});
 

@@ -56,6 +56,7 @@ void Fill(Snapshot::Channel& message, const ChannelTraffic& traffic) {
   message.set_encoded(traffic.encoded);
   message.set_encoded_bytes(traffic.encoded_bytes);
   message.set_sent(traffic.out.sent);
+  message.set_subscribers(traffic.out.subscribers);
   message.set_send_dropped(traffic.out.dropped + traffic.out.missed);
   std::uint64_t lost = 0;
   for (const PublisherTraffic& publisher : traffic.in) lost += publisher.lost;

@@ -408,16 +408,24 @@ class ConfigSchemaAndReader : public ConfigSchema {
     if (schema.HasMember("items")) allowed.items = &schema["items"];
   }
 
+  static long long NumberIn(const std::string& text) {
+    long long number = std::stoll(text);
+    for (const std::string_view unit : {"GiB", "MiB", "KiB"}) {
+      if (number != std::stoll(text) || text.ends_with(unit)) number *= 1024;
+    }
+    return number;
+  }
+
   static void CompareText(const Allowed& allowed, const std::string& fault) {
     std::smatch match;
     const bool integer = std::regex_search(fault, match, std::regex("an integer from (-?[0-9]+) to ([0-9]+),"));
     const bool size =
-        !integer && std::regex_search(fault, match, std::regex("a size from ([0-9]+) to ([0-9]+) bytes,"));
+        !integer && std::regex_search(fault, match, std::regex("a size from ([0-9A-Za-z]+) to ([0-9A-Za-z]+),"));
     EXPECT_EQ(integer, allowed.integer && !allowed.size) << fault;
     EXPECT_EQ(size, allowed.size) << fault;
     if ((integer || size) && allowed.integer) {
-      EXPECT_EQ(std::stoll(match[1]), allowed.integer->first) << fault;
-      EXPECT_EQ(std::stoll(match[2]), allowed.integer->second) << fault;
+      EXPECT_EQ(NumberIn(match[1]), allowed.integer->first) << fault;
+      EXPECT_EQ(NumberIn(match[2]), allowed.integer->second) << fault;
     }
     EXPECT_EQ(fault.find("true or false") != std::string::npos, allowed.boolean) << fault;
     std::string choices;

@@ -32,6 +32,7 @@ TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   traffic.encoded = 41;
   traffic.encoded_bytes = 4200;
   traffic.out.sent = 21;
+  traffic.out.subscribers = 2;
   traffic.out.dropped = 22;
   traffic.out.missed = 1;
   traffic.in = {{.publisher = {8}, .lost = 3}, {.publisher = {9}, .lost = 4}};
@@ -66,6 +67,7 @@ TEST(SnapshotMessage, ContainsEveryCounterOfASession) {
   EXPECT_EQ(a.encoded(), 41U);
   EXPECT_EQ(a.encoded_bytes(), 4200U);
   EXPECT_EQ(a.sent(), 21U);
+  EXPECT_EQ(a.subscribers(), 2U);
   EXPECT_EQ(a.send_dropped(), 23U);
   EXPECT_EQ(a.lost(), 7U);
   EXPECT_EQ(a.faults(), 11U);

@@ -1,0 +1,65 @@
+// Each sentence that the reader of robot files and the check of their components say, as the user gets it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "hgros/command_run.hpp"
+#include "hgros/launch/robot_folder.hpp"
+
+namespace hgros::cli {
+namespace {
+
+struct ErrorCase {
+  std::string name;
+  std::string words;  // Behind it: the command that is asked, without the file.
+  std::string text;   // Of the robot file.
+  std::string said;
+};
+
+// The cases of robot_errors.txt: "== NAME | COMMAND", the file, and what is said, behind "-> ".
+std::vector<ErrorCase> Cases() {
+  std::vector<ErrorCase> cases;
+  std::ifstream file(ROBOT_ERRORS);
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("== ")) {
+      const std::size_t bar = std::min(line.find(" | "), line.size());
+      const bool asks = bar < line.size();
+      cases.push_back({line.substr(3, bar - 3), asks ? line.substr(bar + 3) : "check", {}, {}});
+    } else if (line.starts_with("-> ")) {
+      cases.back().said += line.substr(3) + "\n";
+    } else if (!cases.empty() && cases.back().said.empty()) {
+      cases.back().text += line + "\n";
+    }
+  }
+  return cases;
+}
+
+// Without the folders of this machine.
+std::string Said(const ErrorCase& one) {
+  const RobotFolder robot(one.text);
+  std::istringstream in(one.words);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  words.insert(words.begin() + 1, robot.file());
+  const CommandEnd end = RunToEnd(words, robot.environment());
+  EXPECT_NE(end.status, 0) << one.name;
+  std::string said = end.out + end.err;
+  const std::string folder = robot.path("").string();
+  for (std::size_t at = said.find(folder); at != std::string::npos; at = said.find(folder)) {
+    said.erase(at, folder.size());
+  }
+  return std::regex_replace(said, std::regex("Looked in: .*"), "Looked in: FOLDERS");
+}
+
+TEST(RobotErrors, SayWhatIsWrongAndWhereAndHowToMendIt) {
+  const std::vector<ErrorCase> cases = Cases();
+  ASSERT_GT(cases.size(), 100U);
+  for (const ErrorCase& one : cases) EXPECT_EQ(Said(one), one.said) << one.name;
+}
+
+}  // namespace
+}  // namespace hgros::cli
