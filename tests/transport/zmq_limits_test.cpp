@@ -161,6 +161,7 @@ class ZmqLimits : public testing::Test {
   Place session{[&] {
     ZmqOptions options = SubscribeAt("tcp://127.0.0.9:0;" + endpoint.substr(6));
     options.session = SessionId{7};
+    options.peer_timeout = std::chrono::seconds(20);  // A publisher with a sanitizer takes a while for many topics.
     return options;
   }()};
   conformance::Source source;

@@ -11,7 +11,7 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
 
 // A session that has published `messages` of 100 bytes on "scan" and received as many on "odom", of which its node has
 // dropped a tenth and took 5 ms for each.
@@ -20,8 +20,8 @@ std::shared_ptr<Snapshot> SnapshotAt(std::int64_t seconds, std::uint64_t message
   snapshot->set_session(1);
   snapshot->set_process("talker");
   snapshot->set_pid(42);
-  snapshot->set_steady_ns(seconds * kSecond);
-  snapshot->set_cpu_ns(seconds * kSecond / 4);
+  snapshot->set_steady_ns(seconds * kSecondNs);
+  snapshot->set_cpu_ns(seconds * kSecondNs / 4);
   snapshot->set_memory_bytes(2'000'000);
   Snapshot::Channel* odom = snapshot->add_channels();
   odom->set_name("odom");
