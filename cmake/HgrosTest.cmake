@@ -1,6 +1,6 @@
 include(GoogleTest)
 include(CheckLinkerFlag)
-# Part of GNU binutils until 2.44; links a test in less than half of the time that GNU ld takes.
+# Part of GNU binutils until 2.43; links a test in less than half of the time that GNU ld takes.
 check_linker_flag(CXX -fuse-ld=gold HGROS_GOLD_LINKS)
 
 # hgros_test(NAME name SOURCES ... LINK targets... [ALONE sources...] [TIMEOUT seconds] [PROPERTIES ctest properties...])
