@@ -71,7 +71,7 @@ TEST_P(CausesBetweenSessions, TravelThereAndBack) {
   EXPECT_EQ(kept.at("scan").cause.origin, Cause::OriginOf("scan"));
   EXPECT_EQ(result.cause.message, kept.at("scan").key);
   EXPECT_EQ(result.cause.origin, Cause::OriginOf("scan"));
-  EXPECT_GE(result.cause.began_ns, before - Duration(1ms).count()) << "the wall clock may be slewed";
+  EXPECT_GE(result.cause.began_ns, before - Duration(50ms).count()) << "the clocks are read one after the other";
   EXPECT_LE(result.cause.began_ns, result.publish_monotonic_ns - Duration(4ms).count());
   ASSERT_TRUE(Await([&] { return !on_map.stats().ages.empty(); }));
   const ChainAges ages = on_map.stats().ages.at(0);

@@ -34,9 +34,9 @@ class Folder {
 
 /// A transport with its listener.
 struct Place {
-  explicit Place(ZmqOptions options) {
+  explicit Place(ZmqOptions options, std::chrono::milliseconds peer_timeout = std::chrono::seconds(3)) {
     options.heartbeat = std::chrono::milliseconds(100);
-    options.peer_timeout = std::chrono::milliseconds(3000);
+    options.peer_timeout = peer_timeout;
     options.plain_after = std::chrono::milliseconds(50);
     options.unreachable_after = std::chrono::milliseconds(200);
     transport = MakeZmqTransport(std::move(options), listener, log);

@@ -133,6 +133,7 @@ TbbExecutor::TbbExecutor(int threads)
 
 TbbExecutor::~TbbExecutor() {
   graph_->wait_for_all();
+  (void)runs_ended_.load(std::memory_order_acquire);
   nodes_.clear();
 }
 
@@ -180,7 +181,9 @@ void TbbExecutor::RunEnqueued(Ticket& ticket) const {
     (void)ticket.handed_over.load(std::memory_order_acquire);
     Run(*ticket.activation);
   }
-  graph_->release_wait();
+  tbb::flow::graph& graph = *graph_;
+  runs_ended_.fetch_add(1, std::memory_order_release);
+  graph.release_wait();
 }
 
 bool TbbExecutor::KeepForThisThread(const std::shared_ptr<Activation>& activation) const {

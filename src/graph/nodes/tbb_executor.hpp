@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -67,6 +68,8 @@ class TbbExecutor {
   void Run(Activation& activation) const;
   void RunEnqueued(Ticket& ticket) const;
 
+  // Shows ThreadSanitizer that what was enqueued has used this object before its end, which waits inside TBB.
+  mutable std::atomic<std::size_t> runs_ended_{0};
   const bool one_worker_;
   tbb::global_control workers_;
   tbb::task_arena arena_;

@@ -127,6 +127,8 @@ TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {
   const DetachedRobot robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}, c: {type: relay/Does, params: {what: fail}}}\n");
   const std::vector<pid_t> before = PidsIn(robot.started());
+  // One that has not started yet would start again with its process.
+  ASSERT_TRUE(test::Await([&] { return robot.Ask({"ps"}).out.find("starting") == std::string::npos; }));
   for (const char* name : {"a", "a", "b"}) {
     const CommandEnd end = robot.Ask({"restart", name});
     EXPECT_EQ(end.status, 0) << name << ": " << end.err;
