@@ -133,7 +133,9 @@ TbbExecutor::TbbExecutor(int threads)
 
 TbbExecutor::~TbbExecutor() {
   graph_->wait_for_all();
+#ifdef __SANITIZE_THREAD__
   (void)runs_ended_.load(std::memory_order_acquire);
+#endif
   nodes_.clear();
 }
 
@@ -182,7 +184,9 @@ void TbbExecutor::RunEnqueued(Ticket& ticket) const {
     Run(*ticket.activation);
   }
   tbb::flow::graph& graph = *graph_;
+#ifdef __SANITIZE_THREAD__
   runs_ended_.fetch_add(1, std::memory_order_release);
+#endif
   graph.release_wait();
 }
 

@@ -68,8 +68,10 @@ class TbbExecutor {
   void Run(Activation& activation) const;
   void RunEnqueued(Ticket& ticket) const;
 
-  // Shows ThreadSanitizer that what was enqueued has used this object before its end, which waits inside TBB.
+#ifdef __SANITIZE_THREAD__
+  // Shows that what was enqueued has used this object before its end, which waits inside TBB, where TSan does not look.
   mutable std::atomic<std::size_t> runs_ended_{0};
+#endif
   const bool one_worker_;
   tbb::global_control workers_;
   tbb::task_arena arena_;
