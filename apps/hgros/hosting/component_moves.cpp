@@ -234,9 +234,9 @@ void ComponentMoves::Restore(const Move& order) {
 
 void ComponentMoves::Begin(const std::string& name) {
   Arriving& one = arriving_.at(name);
-  hosted_.Arrive(name);
   one.place->Begin();
   one.begun = true;
+  hosted_.Arrive(name);
   Tell(name, Move::BEGIN);
 }
 
