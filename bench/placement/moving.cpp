@@ -20,7 +20,9 @@ using Clock = std::chrono::steady_clock;
 class Beats {
  public:
   explicit Beats(hgros::Context& context) : beats_(context.Advertise<KeyValuePair>("beat")) {}
-  void Activate() { thread_ = std::jthread([this](const std::stop_token& stop) { Publish(stop); }); }
+  void Activate() {
+    thread_ = std::jthread([this](const std::stop_token& stop) { Publish(stop); });
+  }
   void Deactivate() { thread_ = {}; }
 
  private:

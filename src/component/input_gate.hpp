@@ -25,6 +25,7 @@ namespace hgros {
 struct MessageSender {
   std::uint64_t id;
   std::uint64_t incarnation;
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 takes its 0 for one
   auto operator<=>(const MessageSender&) const = default;
 };
 inline MessageSender SenderOf(const MessageId& id) { return {id.publisher, id.incarnation}; }
