@@ -111,7 +111,11 @@ void LeavingComponent::Resume() {
   if (core_->stage != Core::Stage::kHeld) return;
   core_->stage = Core::Stage::kRuns;
   OneComponent& one = core_->one;
-  if (core_->components.options().offer_params && !one.offered) one.Offer(core_->session);
+  try {
+    if (core_->components.options().offer_params && !one.offered) one.Offer(core_->session);
+  } catch (const std::exception& error) {
+    one.core.log().Write(LogLevel::kError, std::string("Others cannot reach its parameters any more. ") + error.what());
+  }
   if (!one.activated) (void)one.TryActivate();
   one.core.SetPlace(ContextCore::Place::kHere);
   core_->HandleWaiting();

@@ -35,7 +35,8 @@ RunReport ComponentMoves::ReportOf(const std::string& name, Move::Step step) con
   RunReport report;
   report.mutable_move()->set_component(name);
   report.mutable_move()->set_step(step);
-  report.mutable_move()->set_attempt(attempts_.at(name));
+  const bool hands = step == Move::HAND || step == Move::LEFT;  // Of the move in which it leaves.
+  report.mutable_move()->set_attempt(hands ? leaving_.at(name).attempt : attempts_.at(name));
   return report;
 }
 
@@ -109,7 +110,7 @@ void ComponentMoves::Look(const std::string& name) {
   }
   if (!hosted_.Runs(name)) throw Error("It does not run.");
   hosted_.SetMoving(name, true);
-  leaving_[name];
+  leaving_[name].attempt = attempts_.at(name);
   RunReport report = ReportOf(name, Move::LOOK);
   Move& move = *report.mutable_move();
   for (const ComponentChannel& output : component.outputs) {
@@ -150,7 +151,7 @@ ComponentMoves::Clock::time_point ComponentMoves::HandOver(const std::string& na
       return Clock::time_point::max();
     }
     if (message->message.data.bytes.size() > kMostStateBytes) {
-      ++one.unsent;
+      ++one.lost;
       continue;
     }
     RunReport report = ReportOf(name, Move::HAND);
@@ -161,12 +162,19 @@ ComponentMoves::Clock::time_point ComponentMoves::HandOver(const std::string& na
 }
 
 void ComponentMoves::EndLeaving(const std::string& name) {
-  const Leaving& one = leaving_.at(name);
-  const std::uint64_t lost = one.place == nullptr ? 0 : one.place->lost() + one.unsent;
+  Leaving& one = leaving_.at(name);
+  if (one.place != nullptr) {
+    while (one.place->Next()) ++one.lost;  // There are some only if it must end early.
+    one.lost += one.place->lost();
+  }
+  RunReport report = ReportOf(name, Move::LEFT);
+  if (one.lost > 0) {
+    report.mutable_move()->set_sentence(std::to_string(one.lost) + " messages could not be handed over, and are lost.");
+  }
   hosted_.StopKeeping(name);
   leaving_.erase(name);
   hosted_.Forget(name);
-  Tell(name, Move::LEFT, lost == 0 ? "" : std::to_string(lost) + " messages were too large to be handed over.");
+  reports_.Tell(report);
 }
 
 void ComponentMoves::Drop(const std::string& name) {
@@ -181,6 +189,12 @@ void ComponentMoves::Drop(const std::string& name) {
 
 void ComponentMoves::Receive(const Move& order) {
   const std::string& name = order.component();
+  if (const auto arriving = arriving_.find(name); arriving != arriving_.end()) {  // It need not wait any more.
+    arriving->second.awaited.clear();
+    arriving->second.deadline = Clock::now();
+    return;
+  }
+  if (leaving_.contains(name)) EndLeaving(name);  // Of a move that has been given up.
   const RobotComponent* component = robot_.FindComponent(name);
   if (component == nullptr) throw Error("The robot file has no component of that name here.");
   (void)catalog_.Load(component->setup.type);

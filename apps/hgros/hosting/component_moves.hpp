@@ -37,8 +37,9 @@ class ComponentMoves {
     std::unique_ptr<LeavingComponent> place{};  // Once it is held.
     std::map<std::string, bool> any_type{};     // By input.
     bool left = false;
-    bool dropped = false;      // It waits for no publisher any more.
-    std::uint64_t unsent = 0;  // Messages that are too large.
+    bool dropped = false;    // It waits for no publisher any more.
+    std::uint64_t lost = 0;  // Messages.
+    std::uint64_t attempt = 0;
   };
   struct Arriving {
     std::unique_ptr<ArrivingComponent> place;

@@ -246,7 +246,9 @@ void HostedComponents::SetMoving(const std::string& name, bool moving) {
   if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.moving = moving;
 }
 
-void HostedComponents::StopKeeping(const std::string& name) { hosted_.at(name).changes = {}; }
+void HostedComponents::StopKeeping(const std::string& name) {
+  if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.changes = {};
+}
 
 void HostedComponents::Forget(const std::string& name) {
   if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.changes = {};

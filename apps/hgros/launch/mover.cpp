@@ -22,6 +22,7 @@ constexpr std::chrono::milliseconds kHoldPatience{4'000};      // Its callbacks 
 constexpr std::chrono::milliseconds kMovePatience{5'000};
 constexpr std::chrono::milliseconds kQuietPatience{2'000};  // For publishers that publish nothing.
 constexpr std::chrono::milliseconds kHandPatience{10'000};
+constexpr int kMostDelays = 30;  // For a new place that stands still.
 constexpr std::size_t kMostMovingBytes = 8U << 20U;
 
 std::string NamedPlace(const std::string& name) { return "\"" + Visible(name) + "\""; }
@@ -183,18 +184,10 @@ void Mover::SendRestore(Move& move) {
 
 void Mover::Take(const StartedUnit& from, const RunOrder::Move& report) {
   const auto found = moves_.find(report.component());
-  if (found == moves_.end()) {
-    if (report.step() == Step::HAND) ++late_[report.component()];
-    const auto late = late_.find(report.component());
-    if (report.step() != Step::LEFT || late == late_.end()) return;
-    means_.say(from, report.component(), LogLevel::kWarning,
-               std::to_string(late->second) + " messages were lost, because its old place did not answer in time.");
-    late_.erase(late);
-    return;
-  }
+  if (found == moves_.end() || report.attempt() != found->second.attempt) return TakeLate(from, report);
   Move& move = found->second;
   const bool old = &from == move.from;
-  if ((!old && &from != move.to) || report.attempt() != move.attempt) return;
+  if (!old && &from != move.to) return;
   if (report.step() == Step::FAILED && move.stage < Stage::kHandsOver) return GiveUp(move, report.sentence());
   if (move.stage == Stage::kHandsOver) return Relay(move, from, report);
   if (report.step() == Step::LOOK && old && move.stage == Stage::kLooks) {
@@ -211,12 +204,24 @@ void Mover::Take(const StartedUnit& from, const RunOrder::Move& report) {
     move.moving = report;
     SendRestore(move);
   } else if (report.step() == Step::RESTORE && !old && move.stage == Stage::kRestores) {
-    Place(move, *move.from, *move.to);
+    if (!move.from_gone) Place(move, *move.from, *move.to);
     Go(move, Stage::kBegins, kMovePatience);
     Send(*move.to, OrderOf(move, Step::BEGIN));
   } else if (report.step() == Step::BEGIN && !old && move.stage == Stage::kBegins) {
     HaveBegun(move);
   }
+}
+
+// From an old place whose move is over.
+void Mover::TakeLate(const StartedUnit& from, const RunOrder::Move& report) {
+  if (report.step() == Step::HAND) ++late_[report.component()];
+  if (report.step() != Step::LEFT) return;
+  if (!report.sentence().empty()) means_.say(from, report.component(), LogLevel::kWarning, report.sentence());
+  const auto late = late_.find(report.component());
+  if (late == late_.end()) return;
+  means_.say(from, report.component(), LogLevel::kWarning,
+             std::to_string(late->second) + " messages came too late from its old place, and are lost.");
+  late_.erase(late);
 }
 
 void Mover::HaveBegun(Move& move) {
@@ -261,7 +266,14 @@ void Mover::GiveUp(Move& move, const std::string& why) {
     Place(move, *move.to, *move.from);
   }
   Send(*move.to, OrderOf(move, Step::DROP));
-  if (!move.from_gone) Send(*move.from, OrderOf(move, Step::RESUME));
+  if (!move.from_gone) {
+    Send(*move.from, OrderOf(move, Step::RESUME));
+  } else if (move.from->runs_components()) {
+    SendAdopt(move);
+  } else if (move.from->running != nullptr) {  // It has begun without the component.
+    move.from->again = true;
+    move.from->running->Signal(SIGKILL);
+  }
   const std::string place = NamedPlace(move.from->setup->name);
   const std::string where = move.from->running != nullptr ? "It runs on in " + place + "."
                             : move.from->stage == UnitStage::kWaits
@@ -290,9 +302,12 @@ void Mover::NoteEndOfOld(Move& move, const StartedUnit& from) {
       if (again) return GiveUp(move, ended);
       move.from_gone = true;
       Place(move, *move.from, *move.to);
-      if (move.stage == Stage::kHolds) SendRestore(move);
-      return;
-    case Stage::kRestores: move.from_gone = true; return Place(move, *move.from, *move.to);
+      if (move.stage == Stage::kHolds) return SendRestore(move);
+      return Send(*move.to, OrderOf(move, Step::RECEIVE));  // It waits for none of that process any more.
+    case Stage::kRestores:
+      if (again) return GiveUp(move, ended);
+      move.from_gone = true;
+      return Place(move, *move.from, *move.to);
     case Stage::kBegins: move.from_gone = true; return;
     case Stage::kHandsOver: return TakeLeft(move, ended + " Messages that waited there are lost.");
   }
@@ -309,10 +324,14 @@ void Mover::NoteEndOfNew(Move& move, const StartedUnit& to) {
   Place(move, *move.to, *move.from);
   means_.say(*move.from, move.component, LogLevel::kWarning,
              ended + " It is constructed again here, and goes on from the state in which it was moved.");
+  SendAdopt(move);
+  moves_.erase(move.component);
+}
+
+void Mover::SendAdopt(const Move& move) {
   RunOrder::Move order = OrderOf(move, Step::ADOPT);
   Write(means_.kept[move.component], order);
   Send(*move.from, order);
-  moves_.erase(move.component);
 }
 
 void Mover::NoteEnd(const StartedUnit& unit) {
@@ -330,7 +349,7 @@ void Mover::NoteEnd(const StartedUnit& unit) {
 }
 
 void Mover::HandLate(Move& move) {
-  if (move.to->running->stream().unsent() > 0) {  // It does not read what there is.
+  if (move.to->running->stream().unsent() > 0 && ++move.delays <= kMostDelays) {  // It does not read what there is.
     move.limit = Clock::now() + kQuietPatience;
     return;
   }

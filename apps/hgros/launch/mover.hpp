@@ -77,6 +77,7 @@ class Mover {
     RunOrder::Move moving{};  // The state and how far its inputs are.
     bool from_gone = false;   // Its process has ended, and the new place takes over.
     bool dropped = false;     // It does not wait for quiet publishers any more.
+    int delays = 0;           // How often the new place got more time to read.
   };
 
   [[nodiscard]] StartedUnit* Find(const std::string& process) const;
@@ -89,10 +90,13 @@ class Mover {
   void SendRestore(Move& move);
   void Relay(Move& move, const StartedUnit& from, const RunOrder::Move& report);
   void TakeLeft(Move& move, const std::string& sentence);
+  void TakeLate(const StartedUnit& from, const RunOrder::Move& report);
   void HaveBegun(Move& move);
   void GiveUp(Move& move, const std::string& why);
   void NoteEndOfOld(Move& move, const StartedUnit& from);
   void NoteEndOfNew(Move& move, const StartedUnit& to);
+  // Its old process constructs it again.
+  void SendAdopt(const Move& move);
   void HandLate(Move& move);
   void Place(const Move& move, const StartedUnit& from, StartedUnit& to);
 
