@@ -75,7 +75,7 @@ StartedUnit& Mover::PlaceFor(const std::string& to, const StartedUnit& from) con
     }
     const std::string nearest = NearestName(to, names);
     if (place == nullptr && host) {
-      throw Error("No process of the robot runs on the host " + NamedPlace(to) + ".", {},
+      throw Error("This hgros run has started no process on the host " + NamedPlace(to) + ".", {},
                   "Add one to the robot file: `processes: {NAME: {host: " + Visible(to) + "}}`.");
     }
     if (place == nullptr) {

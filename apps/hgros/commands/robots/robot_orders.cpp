@@ -67,13 +67,13 @@ class MoveCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
     arguments.Positional({"COMPONENT", "", "Its name", ValueKind::kText, {}, true}, component_);
-    arguments.Option("--to", "PLACE", to_, "A process of the robot, or a host: then its first process");
+    arguments.Option("--to", "PLACE", to_, "A process of the robot, or a host: then its first one that runs");
     arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
   }
   [[nodiscard]] std::string Description() const override {
     return "Moves a component to another process, also on another host, while it runs. Its state goes along, and no "
-           "message is lost, doubled or out of order. If anything fails, it runs on where it was. The class of the "
-           "component needs Save() and Restore().";
+           "message is lost, doubled or out of order. If a step fails or a process dies, it runs on in one of the two "
+           "places, and the error says where. The class of the component needs Save() and Restore().";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros move mapper --to spare", "Moves the mapper to the process spare."},
