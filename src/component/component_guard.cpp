@@ -1,6 +1,14 @@
 #include "component/component_guard.hpp"
 
 namespace hgros {
+namespace {
+
+std::string Milliseconds(std::chrono::nanoseconds time) {
+  const auto tenths = std::chrono::round<std::chrono::duration<std::int64_t, std::ratio<1, 10'000>>>(time).count();
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
+}
+
+}  // namespace
 
 void ComponentGuard::Note(const char* what) noexcept {
   try {
@@ -9,21 +17,53 @@ void ComponentGuard::Note(const char* what) noexcept {
   }
 }
 
-void ComponentGuard::Enter() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !alone_; });
-  ++running_;
+void ComponentGuard::NoteLate(std::chrono::nanoseconds time, bool returned) noexcept {
+  try {
+    late_((returned ? "A callback took " : "A callback has not returned after ") + Milliseconds(time) +
+          ". Its deadline is " + Milliseconds(deadline_) + ".");
+  } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, the callback is not told of.
+  }
 }
 
-void ComponentGuard::Leave() {
-  const std::scoped_lock lock(mutex_);
-  if (--running_ == 0) changed_.notify_all();
+void ComponentGuard::Enter(Pass& pass) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return !alone_; });
+  passes_.push_back(&pass);
+  if (deadline_.count() > 0) pass.began = std::chrono::steady_clock::now();
+}
+
+void ComponentGuard::Leave(const Pass& pass) noexcept {
+  std::chrono::nanoseconds time{};
+  if (deadline_.count() > 0) time = std::chrono::steady_clock::now() - pass.began;
+  bool late = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase(passes_, &pass);
+    late = time > deadline_ && !pass.told;
+    if (passes_.empty()) changed_.notify_all();
+  }
+  if (late) NoteLate(time, true);
+}
+
+void ComponentGuard::NoteHanging() {
+  if (deadline_.count() == 0) return;
+  std::vector<std::chrono::nanoseconds> times;
+  {
+    const auto now = std::chrono::steady_clock::now();
+    const std::scoped_lock lock(mutex_);
+    for (Pass* pass : passes_) {
+      if (pass->told || now - pass->began <= deadline_) continue;
+      pass->told = true;
+      times.push_back(now - pass->began);
+    }
+  }
+  for (const std::chrono::nanoseconds time : times) NoteLate(time, false);
 }
 
 bool ComponentGuard::TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save) {
   {
     std::unique_lock lock(mutex_);
-    if (!changed_.wait_until(lock, deadline, [this] { return running_ == 0 && !alone_; })) return false;
+    if (!changed_.wait_until(lock, deadline, [this] { return passes_.empty() && !alone_; })) return false;
     alone_ = true;
   }
   const auto open = [this] {

@@ -7,24 +7,28 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace hgros {
 
-// Stands around each callback of one component: hears of exceptions before the graph logs and counts them, and lets no
-// callback begin while the component is saved.
+// Stands around each callback of one component: hears of exceptions before the graph logs and counts them, and of
+// callbacks that take too long, and lets no callback begin while the component is saved.
 //
 // Thread safety: all functions.
 class ComponentGuard {
  public:
   using Listener = std::function<void(const std::string& what)>;
-  // `saves`: the component can be saved. Otherwise callbacks pass without a lock.
-  ComponentGuard(bool saves, Listener listener) : saves_(saves), listener_(std::move(listener)) {}
+  using LateListener = std::function<void(const std::string& sentence)>;
+  // `saves`: the component can be saved. `deadline`: of each callback; 0: none. Without both, callbacks pass without a
+  // lock.
+  ComponentGuard(bool saves, std::chrono::nanoseconds deadline, Listener listener, LateListener late)
+      : saves_(saves), deadline_(deadline), listener_(std::move(listener)), late_(std::move(late)) {}
   ComponentGuard(const ComponentGuard&) = delete;
   ComponentGuard& operator=(const ComponentGuard&) = delete;
 
   template <class Call>
   decltype(auto) Run(Call&& call) {
-    const Pass pass(saves_ ? this : nullptr);
+    Pass pass(saves_ || deadline_.count() > 0 ? this : nullptr);
     try {
       return call();
     } catch (const std::exception& error) {
@@ -37,33 +41,41 @@ class ComponentGuard {
   }
   // Waits until no callback runs, and calls `save` while none can begin. False if the deadline came first.
   bool TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save);
+  // Tells of those that still run after the deadline, each once.
+  void NoteHanging();
 
  private:
   // A callback that runs. One that begins inside another one always may.
   class Pass {
    public:
     explicit Pass(ComponentGuard* guard) : guard_(guard) {
-      if (guard_ != nullptr) guard_->Enter();
+      if (guard_ != nullptr) guard_->Enter(*this);
     }
     Pass(const Pass&) = delete;
     Pass& operator=(const Pass&) = delete;
     ~Pass() {
-      if (guard_ != nullptr) guard_->Leave();
+      if (guard_ != nullptr) guard_->Leave(*this);
     }
+
+    std::chrono::steady_clock::time_point began;
+    bool told = false;  // That it is late.
 
    private:
     ComponentGuard* const guard_;
   };
-  void Enter();
-  void Leave();
+  void Enter(Pass& pass);
+  void Leave(const Pass& pass) noexcept;
   void Note(const char* what) noexcept;
+  void NoteLate(std::chrono::nanoseconds time, bool returned) noexcept;
 
   const bool saves_;
+  const std::chrono::nanoseconds deadline_;
   const Listener listener_;
+  const LateListener late_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  int running_ = 0;     // Guarded by mutex_. Callbacks.
-  bool alone_ = false;  // Guarded by mutex_. It is saved; running_ is 0.
+  std::vector<Pass*> passes_;  // Guarded by mutex_. Callbacks that run.
+  bool alone_ = false;         // Guarded by mutex_. It is saved; none runs.
 };
 
 }  // namespace hgros

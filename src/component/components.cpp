@@ -107,6 +107,7 @@ void Components::Start() { core_->Start(); }
 std::shared_ptr<const RawMessage> Components::Save(std::string_view name, std::chrono::nanoseconds patience) {
   return core_->Get(name).Save(patience);
 }
+void Components::NoteHanging(std::string_view name) { core_->Get(name).core.guard()->NoteHanging(); }
 void Components::End(std::string_view name) { core_->End(name); }
 
 std::vector<ComponentStatus> Components::statuses() const {

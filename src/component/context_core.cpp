@@ -54,8 +54,9 @@ ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup 
       setup_(std::move(setup)),
       params_(SourcesOf(setup_), Sink()),
       log_(Sink()),
-      guard_(std::make_shared<ComponentGuard>(type.state != nullptr,
-                                              [this](const std::string& what) { NoteException(what); })),
+      guard_(std::make_shared<ComponentGuard>(
+          type.state != nullptr, setup_.deadline, [this](const std::string& what) { NoteException(what); },
+          [this](const std::string& sentence) { NoteLate(sentence); })),
       context_(*this) {
   status_.name = description_.name = setup_.name;
   description_.type = setup_.type;
@@ -80,6 +81,15 @@ void ContextCore::NoteException(const std::string& what) {
     const std::scoped_lock lock(mutex_);
     ++status_.exceptions;
     status_.exception = what;
+  }
+  Report();
+}
+
+void ContextCore::NoteLate(const std::string& sentence) {
+  log_.WriteLimited(LogLevel::kWarning, "late", sentence);
+  {
+    const std::scoped_lock lock(mutex_);
+    ++status_.late;
   }
   Report();
 }

@@ -100,6 +100,7 @@ class ContextCore {
   // Waits while the component is held. Throws Error if it has gone.
   void AwaitHere();
   void NoteException(const std::string& what);
+  void NoteLate(const std::string& sentence);
   void Report() const;
   [[nodiscard]] LogSink Sink() const;
 

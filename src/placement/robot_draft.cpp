@@ -81,9 +81,9 @@ std::map<std::string, std::string> ReadRemap(const Value& map) {
   return remap;
 }
 
-constexpr std::string_view kComponentShape = "a map with type, params, remap, nodes, restart, checkpoint and essential";
-constexpr std::chrono::milliseconds kShortestCheckpoint{10};
-Duration ReadCheckpoint(const Value& value) {
+constexpr std::string_view kComponentShape =
+    "a map with type, params, remap, nodes, restart, checkpoint, deadline and essential";
+Duration ReadDuration(const Value& value, Duration least, const std::string& fix) {
   constexpr std::string_view kWanted = "a duration such as 500ms or 1s";
   Duration duration{};
   try {
@@ -91,7 +91,7 @@ Duration ReadCheckpoint(const Value& value) {
   } catch (const ParamError&) {
     value.FailType(kWanted);
   }
-  if (duration < kShortestCheckpoint) value.Fail("is too short", "The shortest is 10ms.");
+  if (duration < least) value.Fail("is too short", fix);
   return duration;
 }
 
@@ -173,7 +173,7 @@ RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
 void RobotDraft::ReadComponent(const Field& field) {
   CheckName(field, "component");
   const Section section(field.value, kComponentShape,
-                        {"type", "params", "remap", "nodes", "restart", "checkpoint", "essential"});
+                        {"type", "params", "remap", "nodes", "restart", "checkpoint", "deadline", "essential"});
   RobotComponent component;
   component.setup.name = field.key;
   component.at = field.key_position;
@@ -185,9 +185,18 @@ void RobotDraft::ReadComponent(const Field& field) {
   section.Read("remap", [&](const Value& remap) { component.setup.remap = ReadRemap(remap); });
   section.Read("nodes", [&](const Value& nodes) { component.setup.nodes = ReadNodeOverrides(nodes); });
   section.Read("restart", [&](const Value& restart) {
-    component.restart = static_cast<ComponentRestart>(restart.Choice({"never", "on-failure", "on-exception"}));
+    component.restart =
+        static_cast<ComponentRestart>(restart.Choice({"never", "on-failure", "on-exception", "on-deadline"}));
   });
-  section.Read("checkpoint", [&](const Value& checkpoint) { component.checkpoint = ReadCheckpoint(checkpoint); });
+  section.Read("checkpoint", [&](const Value& checkpoint) {
+    component.checkpoint = ReadDuration(checkpoint, std::chrono::milliseconds(10), "The shortest is 10ms.");
+  });
+  section.Read("deadline", [&](const Value& deadline) {
+    component.setup.deadline = ReadDuration(deadline, std::chrono::milliseconds(1), "The shortest is 1ms.");
+  });
+  if (component.restart == ComponentRestart::kOnDeadline && component.setup.deadline.count() == 0) {
+    section.value().Fail("has restart: on-deadline, but no deadline", "Add one, such as `deadline: 50ms`.");
+  }
   section.Read("essential", [&](const Value& essential) { component.essential = essential.Boolean(); });
   robot_.components.push_back(std::move(component));
 }

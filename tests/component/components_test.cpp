@@ -58,10 +58,13 @@ class Counter {
   void Restore(const PoseInFrame& state) { count = std::stoi(state.frame_id()); }
 
   int count = 0;
+  Door door;
 
  private:
   void Take(const PoseInFrame& pose) {
     if (pose.frame_id() == "throw") throw std::runtime_error("no such pose");
+    if (pose.frame_id() == "slow") Linger(std::chrono::milliseconds(300));
+    if (pose.frame_id() == "door") door.Pass();
     if (pose.frame_id() == "finish") context_.Finish("counted " + std::to_string(count));
     if (pose.frame_id() == "fail") context_.Fail("it does not like this pose");
     count += step_;
@@ -318,6 +321,28 @@ TEST(Components, FinishOnceAndSayTheResult) {
   EXPECT_EQ(process.Status("counter").sentence, "counted 0");
   EXPECT_THAT(process.states(),
               ElementsAre(ComponentState::kJoined, ComponentState::kRunning, ComponentState::kFinished));
+}
+
+TEST(Components, TellCallbacksThatTakeTooLongOnceEach) {
+  Process process;
+  ComponentSetup setup = CounterNamed("counter");
+  setup.deadline = std::chrono::milliseconds(200);
+  process.components->Add(setup);
+  process.Run();
+  (void)process.session.ToAny("pose", PoseIn("x"));
+  EXPECT_EQ(process.Status("counter").late, 0U);
+  (void)process.session.ToAny("pose", PoseIn("slow"));
+  EXPECT_EQ(process.Status("counter").late, 1U);
+  process.components->NoteHanging("counter");
+  EXPECT_EQ(process.Status("counter").late, 1U) << "None hangs.";
+  std::thread publisher([&] { (void)process.session.ToAny("pose", PoseIn("door")); });
+  EXPECT_TRUE(Await([&] {
+    process.components->NoteHanging("counter");
+    return process.Status("counter").late == 2;
+  }));
+  process.components->Find<Counter>("counter")->door.Open();
+  publisher.join();
+  EXPECT_EQ(process.Status("counter").late, 2U);
 }
 
 TEST(Components, TellExceptionsOfCallbacksAndGoOn) {

@@ -23,6 +23,7 @@ components:
     essential: true
     restart: on-exception
     checkpoint: 500ms
+    deadline: 50ms
   watch: {type: demo/Watch}
 processes:
   front:
@@ -84,6 +85,7 @@ TEST(RobotFileTest, ReadsComponents) {
   EXPECT_EQ(laser.checkpoint, Duration{0});
   EXPECT_EQ(mapper.restart, ComponentRestart::kOnException);
   EXPECT_EQ(mapper.checkpoint, std::chrono::milliseconds(500));
+  EXPECT_EQ(mapper.setup.deadline, std::chrono::milliseconds(50));
   EXPECT_EQ(mapper.setup.nodes.at("scan").queue, Queue::Latest());
   EXPECT_EQ(mapper.setup.nodes.at("scan").executor, Executor::Dedicated());
 }
@@ -174,6 +176,7 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
   ExpectFault("components: {a: {type: x, checkpoint: soon}}",
               "components.a.checkpoint must be a duration such as 500ms");
   ExpectFault("components: {a: {type: x, checkpoint: 5ms}}", "is too short. The shortest is 10ms.");
+  ExpectFault("components: {a: {type: x, deadline: 0s}}", "is too short. The shortest is 1ms.");
   ExpectFault("components: {a: {type: x}}\nprocesses: {p: {components: [b]}}",
               "2:30: processes.p.components[0] is \"b\"");
   ExpectFault("components: {abcd: {type: x}}\nprocesses: {p: {components: [abce]}}", "Did you mean \"abcd\"?");

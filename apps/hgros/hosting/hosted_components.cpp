@@ -9,6 +9,7 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kSavePatience{200};
+constexpr Duration kRarestLook = std::chrono::seconds(1);  // A callback that returns needs none.
 
 bool IsOver(ComponentState state) { return state == ComponentState::kFinished || state == ComponentState::kFailed; }
 
@@ -70,10 +71,16 @@ void HostedComponents::ForgetParams(Hosted& one, const Error& error) {
 void HostedComponents::Start() {
   components_.Start();
   started_ = true;
-  const Clock::time_point now = Clock::now();
   for (auto& [name, one] : hosted_) {
-    if (one.setup->checkpoint.count() > 0) one.save_at = now + one.setup->checkpoint;
+    Plan(one);
   }
+}
+
+// Its first checkpoint, and the first look at its callbacks.
+void HostedComponents::Plan(Hosted& one) {
+  const Clock::time_point now = Clock::now();
+  if (one.setup->checkpoint.count() > 0) one.save_at = now + one.setup->checkpoint;
+  if (one.setup->setup.deadline.count() > 0) one.look_at = now + std::max(one.setup->setup.deadline, kRarestLook);
 }
 
 HostedComponents::Clock::time_point HostedComponents::Work() {
@@ -90,8 +97,12 @@ HostedComponents::Clock::time_point HostedComponents::Work() {
       Save(one);
       one.save_at = std::max(one.save_at + one.setup->checkpoint, Clock::now());
     }
+    if (one.look_at <= Clock::now()) {
+      components_.NoteHanging(name);
+      one.look_at = Clock::now() + std::max(one.setup->setup.deadline, kRarestLook);
+    }
     const std::scoped_lock lock(mutex_);
-    due = std::min({due, one.save_at, one.restart_at});
+    due = std::min({due, one.save_at, one.restart_at, one.look_at});
   }
   return due;
 }
@@ -151,10 +162,13 @@ void HostedComponents::Keep(Hosted& one, const ParamEvent& event) {
 
 bool HostedComponents::PlanRestart(Hosted& one, const ComponentStatus& status) {
   const bool threw = status.exceptions > one.exceptions;
+  const bool late = status.late > one.late;
   one.exceptions = status.exceptions;
+  one.late = status.late;
   const ComponentRestart policy = one.setup->restart;
   const bool wanted = (status.state == ComponentState::kFailed && policy != ComponentRestart::kNever) ||
-                      (threw && policy == ComponentRestart::kOnException);
+                      (threw && policy >= ComponentRestart::kOnException) ||
+                      (late && policy == ComponentRestart::kOnDeadline);
   if (!wanted || one.restart_at != Clock::time_point::max()) return false;
   const std::optional<std::chrono::milliseconds> pause = one.pauses.Next(Clock::now());
   one.given_up = !pause;
@@ -179,8 +193,9 @@ void HostedComponents::Note(const ComponentStatus& status) {
     const bool planned = one.restart_at != Clock::time_point::max();
     if (planned && IsOver(status.state)) return;  // Of an instance that ends.
     one.state = status.state;
+    const std::string why = status.late > one.late ? "A callback took longer than its deadline." : status.exception;
     component.set_again(PlanRestart(one, status));
-    if (component.again() && status.state != ComponentState::kFailed) component.set_sentence(status.exception);
+    if (component.again() && status.state != ComponentState::kFailed) component.set_sentence(why);
     given_up = std::exchange(one.given_up, false);
   }
   if (given_up) {
@@ -206,7 +221,7 @@ void HostedComponents::Restart(Hosted& one) {
   {
     const std::scoped_lock lock(mutex_);
     one.state = ComponentState::kWired;
-    one.exceptions = 0;
+    one.exceptions = one.late = 0;
     one.restart_at = Clock::time_point::max();
   }
   try {
@@ -239,7 +254,7 @@ ComponentSetup HostedComponents::Expect(const RobotComponent& component, KeptCom
 void HostedComponents::Arrive(const std::string& name) {
   Hosted& one = hosted_.at(name);
   Listen(one);
-  if (one.setup->checkpoint.count() > 0) one.save_at = Clock::now() + one.setup->checkpoint;
+  Plan(one);
 }
 
 void HostedComponents::SetMoving(const std::string& name, bool moving) {
@@ -261,7 +276,7 @@ void HostedComponents::Adopt(const std::string& name, KeptComponent kept) {
   (void)Expect(*robot_.FindComponent(name), std::move(kept));
   Hosted& one = hosted_.at(name);
   one.moving = false;
-  one.save_at = one.setup->checkpoint.count() > 0 ? Clock::now() + one.setup->checkpoint : Clock::time_point::max();
+  Plan(one);
   Restart(one);
 }
 

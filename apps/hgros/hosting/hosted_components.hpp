@@ -70,11 +70,13 @@ class HostedComponents {
     KeptComponent kept{};
     Listening changes{};                                   // Of its parameters.
     Clock::time_point save_at = Clock::time_point::max();  // The next checkpoint.
+    Clock::time_point look_at = Clock::time_point::max();  // For a callback that does not return.
     std::string saved{};                                   // The bytes of the last one.
     bool too_large = false;                                // Was said.
     bool moving = false;                                   // From or to another place.
     ComponentState state = ComponentState::kWired;         // Guarded by mutex_, as the rest.
     std::uint64_t exceptions = 0;                          // That have been handled.
+    std::uint64_t late = 0;                                // Callbacks that have been handled.
     RestartPauses pauses{};
     bool given_up = false;  // It is not constructed again, because that was too often.
     Clock::time_point restart_at = Clock::time_point::max();  // It is constructed again.
@@ -82,6 +84,7 @@ class HostedComponents {
 
   void Add(Hosted& one);
   void Listen(Hosted& one);
+  static void Plan(Hosted& one);
   // Those that were changed, because of `error`.
   void ForgetParams(Hosted& one, const Error& error);
   void Save(Hosted& one);

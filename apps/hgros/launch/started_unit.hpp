@@ -61,6 +61,11 @@ struct StartedUnit {
     running->stream().Add(order);
     (void)running->stream().Write();  // If nobody reads it, the end of the process follows.
   }
+  /// A component is constructed again alone. If that takes too long, its process is.
+  void AwaitAlone(const std::string& component) {
+    alone = component;
+    kill_at = Clock::now() + std::chrono::seconds(5);
+  }
   [[nodiscard]] bool runs_components() const { return process != nullptr && stage == UnitStage::kRunning && !again; }
 };
 

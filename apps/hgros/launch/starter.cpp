@@ -261,6 +261,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   if (state != ComponentState::kRunning) mover_.Disturb(component.name(), "It has ended.");
   if (component.again()) {
     code_ = kFailed;
+    if (unit.alone.empty()) unit.AwaitAlone(component.name());
     return say(LogLevel::kError, "It is constructed again, because it has failed");
   }
   if (unit.alone == component.name() && state >= ComponentState::kRunning) {

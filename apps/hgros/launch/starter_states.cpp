@@ -91,8 +91,7 @@ std::optional<std::uint64_t> Starter::RestartAlone(const std::string& component)
   const auto unit = std::ranges::find_if(units_, [&](const Unit& one) { return one.setup->name == process; });
   if (unit == units_.end() || unit->stage != Stage::kRunning || unit->again || ending_) return std::nullopt;
   unit->ended.erase(component);
-  unit->alone = component;
-  unit->kill_at = Clock::now() + std::chrono::seconds(5);
+  unit->AwaitAlone(component);
   RunOrder order;
   order.mutable_again()->set_component(component);
   unit->Send(order);

@@ -29,6 +29,7 @@ struct ComponentSetup {
   ParamSources params = {};                           ///< The values of its parameters.
   NodeOverrides nodes = {};                           ///< Queue and executor of its nodes, by their names within it.
   std::shared_ptr<const RawMessage> state = nullptr;  ///< What another instance has saved; null: it begins anew.
+  Duration deadline{};                                ///< How long a callback may take; 0: as long as it wants.
 };
 
 enum class ComponentState : std::uint8_t {
@@ -46,6 +47,7 @@ struct ComponentStatus {
   std::string sentence = {};     ///< The result of Finish, or the reason of Fail.
   std::uint64_t exceptions = 0;  ///< Exceptions of its callbacks, handlers and timers.
   std::string exception = {};    ///< The text of the last one.
+  std::uint64_t late = 0;        ///< Callbacks, handlers and timers that took longer than the deadline.
 };
 
 struct ComponentsOptions {
@@ -98,6 +100,9 @@ class HGROS_EXPORT Components {
   /// Error if callbacks still run after `patience`.
   [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::string_view name,
                                                        std::chrono::nanoseconds patience = std::chrono::seconds(1));
+  /// Counts and logs callbacks that run for longer than the deadline and have not returned, each once. Those that have
+  /// returned are counted without it.
+  void NoteHanging(std::string_view name);
   /// Ends a component: its timers, Deactivate if it was activated, its subscriptions and services; then destroys it.
   void End(std::string_view name);
 

@@ -29,6 +29,7 @@ enum class ComponentRestart : std::uint8_t {
   kNever,
   kOnFailure,    ///< It has failed.
   kOnException,  ///< It has failed, or one of its callbacks threw.
+  kOnDeadline,   ///< The same, or one of its callbacks took longer than its deadline.
 };
 
 /// A computer of the robot.

@@ -2,9 +2,11 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
@@ -109,6 +111,8 @@ class Counter {
     context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair& word) {
       if (word.value() == "throw") throw std::runtime_error("it does not know this word");
       if (word.value() == "fail") context_.Fail("this word breaks it");
+      if (word.value() == "slow") Wait(std::chrono::milliseconds(500));
+      while (word.value() == "hang") Wait(std::chrono::hours(1));
       count_ += static_cast<int>(context_.params().Get<int>("step"));
       Say("counts");
       (void)counts_(Numbered(count_));
@@ -119,6 +123,10 @@ class Counter {
   void Restore(const KeyValuePair& state) { count_ = std::stoi(state.value()); }
 
  private:
+  void Wait(std::chrono::milliseconds time) {
+    std::unique_lock lock(mutex_);
+    (void)never_.wait_for(lock, time, [] { return false; });
+  }
   void Say(const std::string& what) {
     context_.log().Write(hgros::LogLevel::kInfo, what + " " + std::to_string(count_) + ".");
   }
@@ -127,6 +135,8 @@ class Counter {
   int step_;
   hgros::Publisher<KeyValuePair> counts_;
   int count_ = 0;
+  std::mutex mutex_;
+  std::condition_variable never_;
 };
 HGROS_COMPONENT(Counter, "relay/Counter")
 

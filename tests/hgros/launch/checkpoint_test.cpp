@@ -122,6 +122,38 @@ TEST(HgrosCheckpoint, AComponentThatThrowsIsConstructedAgainAlone) {
                     Not(HasSubstr("I end."))));
 }
 
+TEST(HgrosCheckpoint, AComponentThatIsLateIsConstructedAgainAlone) {
+  RunningRobot robot(
+      "components:\n  counter: {type: relay/Counter, checkpoint: 20ms, deadline: 200ms, restart: on-deadline}\n"
+      "  other: {type: relay/Does}\n");
+  ASSERT_TRUE(robot.Prints("I run."));
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  AwaitCheckpoint();
+  robot.Say("slow");
+  EXPECT_TRUE(robot.Prints("Its deadline is 200.0 ms."));
+  EXPECT_TRUE(
+      robot.Prints("It is constructed again, because it has failed: A callback took longer than its deadline."));
+  EXPECT_TRUE(robot.Prints("begins at "));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("I end.")));
+}
+
+TEST(HgrosCheckpoint, TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAgain) {
+  RunningRobot robot(
+      "components:\n  counter: {type: relay/Counter, checkpoint: 20ms, deadline: 200ms, restart: on-deadline}\n"
+      "  other: {type: relay/Does}\n");
+  ASSERT_TRUE(robot.Prints("I run."));
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  AwaitCheckpoint();
+  robot.Say("hang");
+  EXPECT_TRUE(robot.Prints("A callback has not returned after "));
+  EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+  robot.Say("two");
+  EXPECT_TRUE(robot.Prints("counts 2."));
+}
+
 TEST(HgrosCheckpoint, AComponentThatFailsIsConstructedAgainUntilItIsTooOften) {
   const RobotFolder folder(
       "components: {a: {type: relay/Does, params: {what: fail}, restart: on-failure, essential: true}, b: {type: "

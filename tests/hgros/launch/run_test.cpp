@@ -360,6 +360,32 @@ TEST(HgrosRun, ProcessesHaveNoDescriptorsOfOthers) {
   EXPECT_THAT(run.out(), Not(HasSubstr("lists  4")));
 }
 
+TEST(HgrosRun, SixtyComponentsRunInTwentyProcesses) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr int kProcesses = 6;
+#else
+  constexpr int kProcesses = 20;
+#endif
+  std::string text = "components:\n";
+  for (int i = 0; i < kProcesses; ++i) {
+    const std::string number = std::to_string(i);
+    text += "  numbers" + number + ": {type: relay/Numbers, remap: {number: n" + number + "}}\n";
+    text += "  one" + number + ": {type: relay/Checker, remap: {number: n" + number + "}}\n";
+    text += "  does" + number + ": {type: relay/Does, params: {what: finish}}\n";
+  }
+  text += "processes:\n";
+  for (int i = 0; i < kProcesses; ++i) {
+    const std::string number = std::to_string(i);
+    text += "  p" + number + ": {components: [numbers" + number + ", one" + std::to_string((i + 1) % kProcesses) +
+            ", does" + number + "]}\n";
+  }
+  const CommandEnd end = RobotFolder(text).Run();
+  EXPECT_EQ(end.status, 0) << end.out << end.err;
+  for (int i = 0; i < kProcesses; ++i) {
+    EXPECT_THAT(end.out, ContainsRegex("one" + std::to_string(i) + " +It has finished: all 100"));
+  }
+}
+
 TEST(HgrosRun, ReportsAFailureWithTheLastLines) {
   const RobotFolder robot(
       "components: {a: {type: relay/Does, params: {what: crash}}, b: {type: relay/Does, params: {what: finish}}}\n"

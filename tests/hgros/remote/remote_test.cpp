@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <random>
+#include <regex>
 #include <string>
 
 #include "hgros/command_run.hpp"
@@ -100,6 +101,55 @@ TEST(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
   EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
   EXPECT_THAT(run->out(), AllOf(HasSubstr("It has moved here from \"near\""), Not(HasSubstr("lost ")),
                                 Not(HasSubstr("again ")), Not(HasSubstr("refused"))));
+  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+}
+
+TEST(HgrosRemote, AMoveThatLosesItsConnectionLeavesTheComponentInOnePlace) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components:\n"
+                          "  counting: {type: moving/Counting}\n"
+                          "  passing: {type: moving/Passing, checkpoint: 50ms}\n"
+                          "  judging: {type: moving/Judging}\n"
+                          "processes:\n"
+                          "  near: {components: [counting, judging, passing]}\n"
+                          "  far: {host: base, restart: on-failure}\n");
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("far")) << run->out() << run->err();
+  const std::regex place(R"(passing +moving/Passing +(\w+)[^\n]* running)");
+  std::mt19937 random(11);
+  for (int round = 0; round < 5; ++round) {
+    std::string at;
+    const auto lives_in_one_place = [&] {
+      const auto ps = host.OnDesk(robot, {"ps"});
+      (void)ps->Wait();
+      const std::string rows = ps->out();
+      std::smatch found;
+      if (!std::regex_search(rows, found, place) || rows.find("starting") != std::string::npos) return false;
+      if (rows.find("waiting") != std::string::npos) return false;
+      at = found[1];
+      const std::string rest = found.suffix();
+      return !std::regex_search(rest, place);
+    };
+    ASSERT_TRUE(test::Await(lives_in_one_place)) << run->out();
+    const auto move = host.OnDesk(robot, {"move", "passing", "--to", at == "near" ? "far" : "near"});
+    test::Linger(std::chrono::microseconds(5'000 + random() % 25'000));
+    const pid_t ssh = FindOn(host.cable.left, "ssh");
+    if (ssh != 0) (void)kill(ssh, SIGKILL);
+    (void)move->Wait();
+    ASSERT_TRUE(test::Await(lives_in_one_place)) << move->err() << run->out();
+    const auto thousands = [&] {
+      const std::string out = run->out();
+      const std::regex has("has \\d+000\\.");
+      return std::distance(std::sregex_iterator(out.begin(), out.end(), has), std::sregex_iterator());
+    };
+    const auto before = thousands();
+    EXPECT_TRUE(test::Await([&] { return thousands() > before; })) << run->out();
+  }
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
+  EXPECT_THAT(run->out(), Not(testing::ContainsRegex("again [0-9]+ after")));
   EXPECT_TRUE(host.IsLeftClean()) << host.Left();
 }
 
