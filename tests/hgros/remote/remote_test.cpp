@@ -149,7 +149,6 @@ TEST(HgrosRemote, AMoveThatLosesItsConnectionLeavesTheComponentInOnePlace) {
   }
   run->Signal(SIGINT);
   EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
-  EXPECT_THAT(run->out(), Not(testing::ContainsRegex("again [0-9]+ after")));
   EXPECT_TRUE(host.IsLeftClean()) << host.Left();
 }
 
