@@ -43,7 +43,10 @@ class MovingRobot {
   explicit MovingRobot(const std::string& text = kMoving)
       : folder_(text), run_(folder_.Arguments(), folder_.environment()) {}
 
-  [[nodiscard]] bool Runs() { return run_.Prints("judging") && Ask(); }
+  [[nodiscard]] bool Runs() {
+    const auto starts = [this] { return Command({"ps"}).out.find("starting") != std::string::npos; };
+    return run_.Prints("judging") && test::Await([&] { return !starts(); }) && Ask();
+  }
   [[nodiscard]] CommandEnd Move(const std::string& to) const {
     return RunToEnd({"move", "passing", "--to", to}, folder_.environment());
   }

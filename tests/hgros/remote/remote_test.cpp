@@ -90,6 +90,10 @@ TEST(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
                           "  far: {host: base}\n");
   const auto run = host.Run(robot);
   ASSERT_TRUE(run->Prints("far")) << run->out() << run->err();
+  ASSERT_TRUE(test::Await([&] {
+    const auto ps = host.OnDesk(robot, {"ps"});
+    return ps->Wait() == 0 && ps->out().find("starting") == std::string::npos;
+  }));
   for (const std::string to : {"base", "desk", "far", "near"}) {
     const auto move = host.OnDesk(robot, {"move", "passing", "--to", to});
     EXPECT_EQ(move->Wait(), 0) << move->err() << run->out();
