@@ -22,7 +22,7 @@ namespace hgros::cli {
 void PlaceComponent(RobotFile& robot, const std::string& component, const std::string& process);
 
 /// Moves components from one process of a robot to another while they run. Until the new place has begun, the old one
-/// can go on, so that whatever fails and whoever dies, one of them runs the component.
+/// can go on. If a step fails or a process dies, the component runs on in one of the two places.
 ///
 /// Threading: as Starter.
 class Mover {

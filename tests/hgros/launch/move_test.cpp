@@ -158,7 +158,7 @@ TEST(HgrosMove, AComponentThatCannotBeginInTheNewPlaceStays) {
   robot.End();
 }
 
-// Who is killed or stopped, and when.
+// A process that is killed or stopped during a move.
 struct Fault {
   bool kills;
   bool old;  // The process that the component leaves.
