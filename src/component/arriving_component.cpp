@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "component/components_core.hpp"
+#include "component/stream_position.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/component/component_move.hpp"
@@ -23,25 +24,14 @@ constexpr int kMostAtOnce = 256;
 class ArrivingComponent::Core {
  public:
   struct Stream {
-    std::uint64_t sequence = 0;  // Of the last message that was handled, in either place.
-    std::uint64_t number = 0;
-    bool by_number = false;  // One of the places is in the publisher's process: only numbers are the same in both.
-    bool complete = false;   // Everything behind the last one comes by itself.
-
-    // How many messages this one is behind the last one that was handled; 0 or less: it was handled.
-    [[nodiscard]] std::int64_t Ahead(const MessageInfo& info) const {
-      return by_number ? static_cast<std::int64_t>(info.number - number)
-                       : static_cast<std::int64_t>(info.id.sequence - sequence);
-    }
-    void Note(const MessageInfo& info) {
-      if (info.remote) sequence = std::max(sequence, info.id.sequence);
-      number = std::max(number, info.number);
-    }
+    StreamPosition handled;                  // The last message that was handled, in either place.
+    bool own = false;                        // A message has shown that all later ones come by themselves.
+    bool complete = false;                   // Everything behind the last one that was handled comes by itself.
+    std::deque<InputGate::Waiting> early{};  // Came by themselves; the other place may still have some before them.
   };
   struct Input {
     std::shared_ptr<InputGate> gate;
     std::map<MessageSender, Stream> streams{};
-    std::deque<InputGate::Waiting> early{};  // Came by themselves; the other place may still have some before them.
   };
 
   Core(Components::Core& its_components, OneComponent& its_one) : components(its_components), one(its_one) {}
@@ -55,54 +45,45 @@ class ArrivingComponent::Core {
       one.core.log().Write(LogLevel::kError, "A callback of " + input.gate->node() + " threw.");
     }
   }
-  void Complete(Input& input, MessageSender sender, Stream& stream) {
-    if (std::exchange(stream.complete, true)) return;
-    completed.push_back({input.gate->node(), {sender.id, sender.incarnation, stream.sequence}, stream.number, true});
-  }
-  static Stream& StreamOf(Input& input, const MessageInfo& info) {
-    Stream& stream = input.streams[SenderOf(info.id)];
-    if (!info.remote) stream.by_number = true;
-    return stream;
-  }
   // A message that came by itself. False: it is too early.
-  bool TakeOwn(Input& input, const InputGate::Waiting& waiting) {
-    if (waiting.info.number == 0) {
-      if (finished) Handle(input, waiting);  // Until then the other place hands it over.
-      return true;
+  bool TakeOwn(Input& input, Stream& stream, const InputGate::Waiting& waiting) {
+    const MessageInfo& info = waiting.info;
+    if (!info.remote) stream.handled.by_number = true;
+    const bool settled = info.publish_monotonic_ns > settled_ns;
+    if (settled && !std::exchange(stream.own, true)) {
+      own.push_back({input.gate->node(), info.id, info.number, info.remote});
     }
-    const MessageSender sender = SenderOf(waiting.info.id);
-    Stream& stream = StreamOf(input, waiting.info);
-    const std::int64_t ahead = stream.Ahead(waiting.info);
+    const std::int64_t ahead = stream.handled.Ahead(info);
     if (ahead > 1 && !stream.complete && !finished) return false;
     if (ahead > 0) {
-      stream.Note(waiting.info);
+      stream.handled.Note(info);
       Handle(input, waiting);
     }
-    if (waiting.info.publish_monotonic_ns > settled_ns) Complete(input, sender, stream);
+    stream.complete = stream.complete || settled;
     return true;
   }
-  void TakeEarly(Input& input, MessageSender sender) {
-    const auto first = std::ranges::find_if(
-        input.early, [&](const InputGate::Waiting& waiting) { return SenderOf(waiting.info.id) == sender; });
-    if (first == input.early.end() || input.streams[sender].Ahead(first->info) > 1) return;
-    std::deque<InputGate::Waiting> still;
-    std::deque<InputGate::Waiting> before = std::exchange(input.early, {});
-    for (InputGate::Waiting& one_early : before) {
-      if (SenderOf(one_early.info.id) != sender || !TakeOwn(input, one_early)) still.push_back(std::move(one_early));
+
+  void TakeOwn(Input& input, InputGate::Waiting waiting) {
+    if (waiting.info.number == 0) {
+      if (finished) Handle(input, waiting);  // Until then the other place hands it over.
+      return;
     }
-    input.early = std::move(still);
+    Stream& stream = input.streams[SenderOf(waiting.info.id)];
+    if (!stream.early.empty() || !TakeOwn(input, stream, waiting)) stream.early.push_back(std::move(waiting));
   }
-  // Those of a publisher that the other place has skipped.
-  void HandleBefore(Input& input, MessageSender sender, Stream& stream, const MessageInfo& handed) {
-    while (true) {
-      const auto next = std::ranges::find_if(input.early, [&](const InputGate::Waiting& waiting) {
-        return SenderOf(waiting.info.id) == sender && stream.Ahead(waiting.info) < stream.Ahead(handed);
-      });
-      if (next == input.early.end()) return;
-      const InputGate::Waiting waiting = std::move(*next);
-      input.early.erase(next);
-      if (stream.Ahead(waiting.info) <= 0) continue;
-      stream.Note(waiting.info);
+
+  void TakeEarly(Input& input, Stream& stream) {
+    while (!stream.early.empty() && TakeOwn(input, stream, stream.early.front())) stream.early.pop_front();
+  }
+
+  // Those that the other place has skipped.
+  void HandleBefore(Input& input, Stream& stream, const MessageInfo& handed) {
+    while (!stream.early.empty()) {
+      const InputGate::Waiting waiting = stream.early.front();
+      if (stream.handled.Ahead(waiting.info) >= stream.handled.Ahead(handed)) return;
+      stream.early.pop_front();
+      if (stream.handled.Ahead(waiting.info) <= 0) continue;
+      stream.handled.Note(waiting.info);
       Handle(input, waiting);
     }
   }
@@ -110,7 +91,7 @@ class ArrivingComponent::Core {
   Components::Core& components;
   OneComponent& one;
   std::vector<Input> inputs;
-  std::vector<InputPosition> completed;
+  std::vector<InputPosition> own;  // What FirstOwn has not told.
   SessionId from{};
   bool begun = false;
   bool finished = false;
@@ -163,7 +144,7 @@ void ArrivingComponent::Restore(const MovingState& moving) {
         info.id = position.last;
         info.number = position.number;
         info.remote = position.remote;
-        Core::StreamOf(input, info).Note(info);
+        input.streams[SenderOf(info.id)].handled.Note(info);
         input.gate->NotePosition(info);
       }
     }
@@ -196,7 +177,7 @@ bool ArrivingComponent::Work() {
       if (i == kMostAtOnce) break;  // Under load, more come all the time.
       auto waiting = input.gate->Next();
       if (!waiting) break;
-      if (!core_->TakeOwn(input, *waiting)) input.early.push_back(std::move(*waiting));
+      core_->TakeOwn(input, std::move(*waiting));
     }
   }
   return more;
@@ -222,24 +203,24 @@ void ArrivingComponent::Hand(const MovingMessage& message) {
         LogLevel::kError, "A message of " + message.input + " was lost in the move: it is no " + type.name + ".");
   }
   if (message.info.number == 0) return core_->Handle(input, waiting);
-  const MessageSender sender = SenderOf(message.info.id);
-  Core::Stream& stream = Core::StreamOf(input, message.info);
-  if (stream.Ahead(message.info) > 0) {
-    core_->HandleBefore(input, sender, stream, message.info);
-    stream.Note(message.info);
+  Core::Stream& stream = input.streams[SenderOf(message.info.id)];
+  if (!message.info.remote) stream.handled.by_number = true;
+  if (stream.handled.Ahead(message.info) > 0) {
+    core_->HandleBefore(input, stream, message.info);
+    stream.handled.Note(message.info);
     core_->Handle(input, waiting);
   }
-  core_->TakeEarly(input, sender);
+  core_->TakeEarly(input, stream);
 }
 
-std::vector<InputPosition> ArrivingComponent::Complete() { return std::exchange(core_->completed, {}); }
+std::vector<InputPosition> ArrivingComponent::FirstOwn() { return std::exchange(core_->own, {}); }
 
 void ArrivingComponent::Finish() {
   core_->finished = true;
   for (Core::Input& input : core_->inputs) {
     do {
-      for (const InputGate::Waiting& waiting : std::exchange(input.early, {})) (void)core_->TakeOwn(input, waiting);
-      while (const auto waiting = input.gate->Next()) (void)core_->TakeOwn(input, *waiting);
+      for (auto& [sender, stream] : input.streams) core_->TakeEarly(input, stream);
+      while (auto waiting = input.gate->Next()) core_->TakeOwn(input, std::move(*waiting));
     } while (!input.gate->PassIfEmpty(true));
   }
 }

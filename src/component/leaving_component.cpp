@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "component/components_core.hpp"
+#include "component/stream_position.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/component/component_move.hpp"
@@ -15,6 +16,12 @@ namespace hgros {
 class LeavingComponent::Core {
  public:
   enum class Stage { kRuns, kHeld, kLeft };
+  struct Stream {
+    StreamPosition last;                  // Handled here, or handed over.
+    std::optional<StreamPosition> own{};  // From here on the messages come to the other place by themselves.
+    bool passed = false;                  // There is nothing more to hand over.
+    void Pass(const MessageInfo& info) { passed = passed || (own && own->Ahead(info) >= 0); }
+  };
 
   Core(Session& its_session, Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
       : session(its_session), components(its_components), one(its_one), wake(std::move(its_wake)) {}
@@ -25,7 +32,7 @@ class LeavingComponent::Core {
   const std::function<void()> wake;
   Stage stage = Stage::kRuns;
   std::vector<std::shared_ptr<InputGate>> gates;
-  std::map<std::string, std::map<MessageSender, bool>> streams;  // By input; whether they have passed.
+  std::map<std::string, std::map<MessageSender, Stream>> streams;  // By input.
   std::map<const InputGate*, std::shared_ptr<const MessageSchema>> schemas;
   std::uint64_t lost = 0;
 
@@ -90,7 +97,7 @@ MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId 
   for (const auto& gate : core_->gates) {
     for (const MessageInfo& last : gate->Positions()) {
       moving.positions.push_back({gate->node(), last.id, last.number, last.remote});
-      core_->streams[gate->node()].emplace(SenderOf(last.id), false);
+      core_->streams[gate->node()].emplace(SenderOf(last.id), Core::Stream{}).first->second.last.Note(last);
     }
   }
   std::vector<std::string> outputs;
@@ -132,10 +139,12 @@ void LeavingComponent::Leave() {
 std::optional<MovingMessage> LeavingComponent::Next() {
   for (const auto& gate : core_->gates) {
     while (auto waiting = gate->Next()) {
-      auto& streams = core_->streams[gate->node()];
       if (waiting->info.number != 0) {
-        const auto [stream, added] = streams.emplace(SenderOf(waiting->info.id), false);
-        if (stream->second) continue;
+        Core::Stream& stream = core_->streams[gate->node()][SenderOf(waiting->info.id)];
+        if (stream.passed) continue;
+        // Also the first one that comes by itself: it shows that there is nothing more before it.
+        stream.last.Note(waiting->info);
+        stream.Pass(waiting->info);
       }
       std::optional<RawMessage> message = core_->Write(*gate, waiting->message);
       if (message) return MovingMessage{gate->node(), waiting->info, std::move(*message)};
@@ -145,12 +154,18 @@ std::optional<MovingMessage> LeavingComponent::Next() {
 }
 
 void LeavingComponent::Passed(const InputPosition& position) {
-  core_->streams[position.input][SenderOf(position.last)] = true;
+  Core::Stream& stream = core_->streams[position.input][SenderOf(position.last)];
+  MessageInfo first;
+  first.id = position.last;
+  first.number = position.number;
+  first.remote = position.remote;
+  stream.own.emplace().Note(first);
+  stream.passed = stream.last.Ahead(first) <= 1;
 }
 
 bool LeavingComponent::all_passed() const {
   return std::ranges::all_of(core_->streams, [](const auto& input) {
-    return std::ranges::all_of(input.second, [](const auto& stream) { return stream.second; });
+    return std::ranges::all_of(input.second, [](const auto& stream) { return stream.second.passed; });
   });
 }
 

@@ -21,6 +21,11 @@ thread_local int nested_requests = 0;
 
 CallEnd Failed(CallFailure::Kind kind, std::string reason) { return {nullptr, {kind, std::move(reason)}}; }
 
+CallEnd NotWritten(const std::string& service, PublishStatus status) {
+  return Failed(CallFailure::Kind::kNotWritable, "The request of service \"" + service +
+                                                     "\" could not be written: " + std::string(ToString(status)) + ".");
+}
+
 std::string InWords(std::chrono::nanoseconds time) {
   if (time < std::chrono::milliseconds(1)) return std::to_string(time.count() / 1000) + " us";
   return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) + " ms";

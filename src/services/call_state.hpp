@@ -11,6 +11,7 @@
 #include <string>
 
 #include "hgros/base/ids.hpp"
+#include "hgros/base/publish_status.hpp"
 #include "hgros/internal/codec/call_message.hpp"
 #include "hgros/services/call_future.hpp"
 #include "services/waiting_callers.hpp"
@@ -94,6 +95,7 @@ class CallState final : public PendingCall,
 
 // A failure as the end of a call.
 [[nodiscard]] CallEnd Failed(CallFailure::Kind kind, std::string reason);
+[[nodiscard]] CallEnd NotWritten(const std::string& service, PublishStatus status);
 // "500 ms".
 [[nodiscard]] std::string InWords(std::chrono::nanoseconds time);
 

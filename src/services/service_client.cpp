@@ -17,22 +17,17 @@ namespace {
 using Kind = CallFailure::Kind;
 
 constexpr std::size_t kRepliesInFlight = 1024;
-
 // If replies usually take longer than this, the caller sleeps while it waits.
 constexpr std::int64_t kSoonNs = 150'000;
 constexpr std::int64_t kMostCountedNs = 3 * kSoonNs;  // Limits the effect of one slow reply on the average.
-
 constexpr std::size_t kSmallBytes = 64 * 1024;
 // After this time, a call that waits for a server is logged.
 constexpr auto kTimeForServers = std::chrono::seconds(5);
 // Many calls may fail at a time, and looking for a similar name takes long.
 constexpr auto kSuggestionLasts = std::chrono::seconds(1);
 constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
-
-CallEnd NotWritten(const std::string& service, PublishStatus status) {
-  return Failed(Kind::kNotWritable, "The request of service \"" + service +
-                                        "\" could not be written: " + std::string(ToString(status)) + ".");
-}
+// A service that moves to another session is served by two for a moment.
+constexpr auto kTimeToMove = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -206,7 +201,7 @@ void ServiceClient::UpdateServers(Services& services) {
   std::vector<PeerInfo> peers;
   services.With([&](ServicePlace& place) { peers = place.Peers(); });
   std::vector<Server> gone;
-  std::vector<Server> two;
+  bool two = false;
   {
     const std::scoped_lock lock(mutex_);
     const auto serves = [&](SessionId id) {
@@ -222,11 +217,14 @@ void ServiceClient::UpdateServers(Services& services) {
       server.id = server.info.id = id;
       if (const auto peer = std::ranges::find(peers, id, &PeerInfo::id); peer != peers.end()) server.info = *peer;
     }
-    if (servers_.size() < 2) said_two_ = false;
-    if (servers_.size() > 1 && !std::exchange(said_two_, true)) two = servers_;
+    if (servers_.size() < 2) looks_for_two_ = false;
+    two = servers_.size() > 1 && !std::exchange(looks_for_two_, true);
   }
   for (const Server& server : gone) EndCallsSoon(services, server);
-  if (!two.empty()) ReportTwo(services, two);
+  if (two)
+    services.PostAt(std::chrono::steady_clock::now() + kTimeToMove, [weak = weak_from_this()] {
+      if (const auto client = weak.lock()) client->SayIfTwoServe();
+    });
 }
 
 void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
@@ -247,13 +245,18 @@ void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
                   });
 }
 
-void ServiceClient::ReportTwo(Services& services, const std::vector<Server>& servers) {
+void ServiceClient::SayIfTwoServe() {
+  const auto services = services_.lock();
+  std::unique_lock lock(mutex_);
+  const std::vector<Server> servers = servers_;
+  lock.unlock();
+  if (!services || servers.size() < 2) return;
   std::string all = "Session " + servers.front().info.name();
   for (std::size_t i = 1; i < servers.size(); ++i) all += " and session " + servers[i].info.name();
   std::string sentence = "Service \"" + name_ + "\" is served by more than one session: " + all +
                          ". Calls go to the first one while it serves. Give the others another name.";
-  services.log()->Write(LogLevel::kWarning, sentence);
-  services.With([&](ServicePlace& place) {
+  services->log()->Write(LogLevel::kWarning, sentence);
+  services->With([&](ServicePlace& place) {
     place.ReportServedTwice(servers.back().info, RequestChannel(name_), std::move(sentence));
   });
 }

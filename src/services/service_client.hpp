@@ -82,7 +82,7 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   };
   // Ends them after a delay, so that a more precise reason can come first: a type mismatch, or the end of the session.
   void EndCallsSoon(Services& services, const Server& server);
-  void ReportTwo(Services& services, const std::vector<Server>& servers);
+  void SayIfTwoServe();
 
   const std::string name_;
   const TypeInfo& request_;
@@ -97,7 +97,7 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   std::vector<Server> servers_;
   std::deque<std::shared_ptr<CallState>> waiting_;
   std::map<std::uint64_t, std::string> misfits_;  // Error texts of sessions whose types do not fit, by session id.
-  bool said_two_ = false;
+  bool looks_for_two_ = false;
   bool says_waiting_ = false;  // SayIfCallsWait() will be called.
 
   std::mutex suggestion_mutex_;

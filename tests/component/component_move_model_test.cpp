@@ -113,14 +113,20 @@ struct RelayPlace {
   Components components;
 };
 
+// Threads end also when the test throws.
+struct StopAtEnd {
+  std::atomic<bool>& stop;
+  ~StopAtEnd() { stop = true; }
+};
+
 class ComponentMoveModelTest : public DomainFixture {
  protected:
   // Numbers from 1, each as "channel number", until the test ends.
-  std::thread Publishing(Session& session, const std::string& channel, const std::string& tag, PublishOptions options,
-                         std::chrono::microseconds pause, std::uint32_t seed) {
+  std::jthread Publishing(Session& session, const std::string& channel, const std::string& tag, PublishOptions options,
+                          std::chrono::microseconds pause, std::uint32_t seed) {
     auto publish = session.Advertise<PoseInFrame>(channel, options);
     EXPECT_TRUE(session.WaitForSubscribers(channel, 1, kPatience));
-    return std::thread([this, publish = std::move(publish), tag, pause, seed]() mutable {
+    return std::jthread([this, publish = std::move(publish), tag, pause, seed]() mutable {
       std::mt19937 random(seed);
       int number = 0;
       while (!stop_) {
@@ -145,8 +151,7 @@ class ComponentMoveModelTest : public DomainFixture {
   void CallUntilEnd() {
     std::uint64_t last = 0;
     while (!stop_) {
-      const auto reply =
-          outside_.Call<PoseInFrame, PoseInFrame>("count", PoseInFrame(), std::chrono::seconds(5)).Wait();
+      const auto reply = outside_.Call<PoseInFrame, PoseInFrame>("count", PoseInFrame(), kPatience).Wait();
       if (!reply) {
         failures_.push_back(reply.failure().reason);
         continue;
@@ -165,17 +170,20 @@ class ComponentMoveModelTest : public DomainFixture {
     arriving.Restore(leaving.Hold(std::chrono::seconds(10)));
     arriving.Begin();
     leaving.Leave();
+    // Whether more waits.
     const auto exchange = [&] {
-      arriving.Work();
+      bool more = arriving.Work();
       for (auto message = leaving.Next(); message; message = leaving.Next()) {
         arriving.Hand(*message);
-        for (const InputPosition& position : arriving.Complete()) leaving.Passed(position);
-        arriving.Work();  // Under load, messages come all the time.
+        for (const InputPosition& position : arriving.FirstOwn()) leaving.Passed(position);
+        more = arriving.Work();  // Under load, messages come all the time.
       }
-      for (const InputPosition& position : arriving.Complete()) leaving.Passed(position);
+      for (const InputPosition& position : arriving.FirstOwn()) leaving.Passed(position);
+      return more;
     };
     EXPECT_TRUE(Await([&] {
-      exchange();
+      while (exchange() && !leaving.all_passed()) {
+      }
       return leaving.all_passed();
     })) << "A publisher never passed.";
     exchange();
@@ -219,7 +227,8 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
   publishing.components.Join();
   publishing.components.Start();
   ASSERT_TRUE(publishing.session.WaitForSubscribers("passed", 1, kPatience));
-  std::vector<std::thread> threads;
+  std::vector<std::jthread> threads;
+  const StopAtEnd ending{stop_};
   threads.push_back(Publishing(outside_, "all", "far", {}, std::chrono::microseconds(500), seed));
   threads.push_back(Publishing(publishing.session, "all", "near", {}, std::chrono::microseconds(500), seed + 1));
   threads.push_back(Publishing(outside_, "newest", "newest", {}, std::chrono::microseconds(300), seed + 2));
@@ -237,7 +246,7 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
     EXPECT_TRUE(Await([&] { return seen_count_ > before + random() % 100; }));
   }
   stop_ = true;
-  for (std::thread& thread : threads) thread.join();
+  for (std::jthread& thread : threads) thread.join();
 
   for (const char* lossless : {"far", "near", "latched"}) {
     const std::vector<int> published = PublishedOf(lossless);

@@ -272,10 +272,10 @@ ComponentMoves::Clock::time_point ComponentMoves::Work() {
       continue;
     }
     if (one.place->Work()) due = Clock::now();
-    const std::vector<InputPosition> complete = one.place->Complete();
-    if (complete.empty()) continue;
+    const std::vector<InputPosition> own = one.place->FirstOwn();
+    if (own.empty()) continue;
     RunReport report = ReportOf(name, Move::PASSED);
-    for (const InputPosition& position : complete) Write(position, *report.mutable_move()->add_positions());
+    for (const InputPosition& position : own) Write(position, *report.mutable_move()->add_positions());
     reports_.Tell(report);
   }
   return due;

@@ -101,7 +101,7 @@ void Starter::Start(Unit& unit) {
   RobotUnit relay;  // What the file says is for the other host.
   relay.name = unit.setup->name;
   relay.at = unit.setup->at;
-  unit.running = std::make_unique<UnitProcess>(remote ? relay : *unit.setup, [&](int socket) {
+  unit.running = std::make_unique<UnitProcess>(remote ? relay : *unit.setup, guard_, [&](int socket) {
     if (remote) return options_.remote->Run(socket, *unit.setup, kept_);
     if (unit.program != nullptr) return BecomeProgram(*unit.program);
     return HostComponents(socket, robot_, *unit.process, catalog_, kept_);

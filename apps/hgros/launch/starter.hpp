@@ -97,7 +97,8 @@ class Starter {
 
   void Say(const Unit& unit, LogLevel level, const std::string& text);
 
-  RobotFile robot_;  // Components may move.
+  OrphanGuard guard_;  // First, while little is to be copied.
+  RobotFile robot_;    // Components may move.
   const RobotGraph& graph_;
   const ComponentCatalog& catalog_;
   Surroundings& surroundings_;

@@ -59,11 +59,12 @@ void SetUp(const RobotUnit& unit) {
   }
 }
 
-[[noreturn]] void RunChild(const RobotUnit& unit, const UnitProcess::Body& body, int socket, int output,
-                           pid_t starter) {
+[[noreturn]] void RunChild(const RobotUnit& unit, const ControlGroup& group, const UnitProcess::Body& body, int socket,
+                           int output, pid_t starter) {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != starter) _exit(kNotStarted);  // It died before.
   (void)setpgid(0, 0);                           // Ctrl-C is for the starter.
+  group.Join();
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) (void)signal(number, SIG_DFL);
   const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
@@ -81,7 +82,8 @@ void SetUp(const RobotUnit& unit) {
 
 }  // namespace
 
-UnitProcess::UnitProcess(const RobotUnit& unit, const Body& body) {
+UnitProcess::UnitProcess(const RobotUnit& unit, OrphanGuard& guard, const Body& body)
+    : guard_(guard), group_(guard.NewControlGroup()) {
   std::array<int, 2> sockets{};
   std::array<int, 2> outputs{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, sockets.data()) != 0) RefuseStart(unit);
@@ -95,11 +97,12 @@ UnitProcess::UnitProcess(const RobotUnit& unit, const Body& body) {
   (void)fcntl(output_, F_SETPIPE_SZ, static_cast<int>(kPipeBytes));
   const pid_t starter = getpid();
   pid_ = fork();
-  if (pid_ == 0) RunChild(unit, body, sockets[1], outputs[1], starter);
+  if (pid_ == 0) RunChild(unit, *group_, body, sockets[1], outputs[1], starter);
   close(sockets[1]);
   close(outputs[1]);
   if (pid_ > 0) {
     (void)setpgid(pid_, pid_);
+    guard_.Begins(pid_);
     end_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
   }
   if (end_ >= 0) return;
@@ -172,6 +175,8 @@ void UnitProcess::Reap(int options) {
       return;
     } else {
       (void)kill(-pid_, SIGKILL);
+      group_->Kill();
+      guard_.Ended(pid_);
       ended_ = waitpid(pid_, &status_, 0) == pid_;
     }
   }

@@ -11,10 +11,12 @@
 
 #include "hgros/placement/robot_file.hpp"
 #include "processes/message_stream.hpp"
+#include "processes/orphan_guard.hpp"
 
 namespace hgros::cli {
 
-/// One running process of a robot, or one program: started, heard, ended. Kills it with its process group when it ends.
+/// One running process of a robot, or one program: started, heard, ended. When it ends, what it has started is killed:
+/// its process group, and its control group where there is one.
 ///
 /// Threading: one thread, and no other in the process: it forks.
 class UnitProcess {
@@ -22,8 +24,8 @@ class UnitProcess {
   /// What runs in the child, which gets its end of a socket. Returns the exit code.
   using Body = std::function<int(int socket)>;
 
-  /// Starts `body`. Throws Error if the system refuses.
-  UnitProcess(const RobotUnit& unit, const Body& body);
+  /// Starts `body`. Throws Error if the system refuses. `guard` outlives it.
+  UnitProcess(const RobotUnit& unit, OrphanGuard& guard, const Body& body);
   UnitProcess(const UnitProcess&) = delete;
   UnitProcess& operator=(const UnitProcess&) = delete;
   ~UnitProcess();
@@ -51,6 +53,8 @@ class UnitProcess {
   // Takes its status if it has ended; without WNOHANG it waits for that.
   void Reap(int options);
 
+  OrphanGuard& guard_;
+  const std::unique_ptr<ControlGroup> group_;
   pid_t pid_ = -1;
   bool ended_ = false;
   int status_ = 0;

@@ -107,7 +107,7 @@ void FarEnd::Start() {
   }
   if (setup == nullptr) throw Error("The robot has no \"" + start_->unit() + "\" here.");
   if (process_ != nullptr) CheckLibraries(*process_);
-  unit_ = std::make_unique<UnitProcess>(*setup, [&](int socket) {
+  unit_ = std::make_unique<UnitProcess>(*setup, guard_, [&](int socket) {
     return program != nullptr ? BecomeProgram(*program) : HostComponents(socket, robot_, *process_, catalog_, kept_);
   });
 }

@@ -58,6 +58,7 @@ class FarEnd {
   KeptComponents kept_;
   RobotFile robot_;
   const RobotProcess* process_ = nullptr;  // Or a program.
+  OrphanGuard guard_;
   std::unique_ptr<UnitProcess> unit_;
   bool ends_ = false;  // The starter wants it to.
   bool gone_ = false;  // The starter.

@@ -49,7 +49,7 @@ struct MovingState {
 ///                                           Begin: it handles what it has not handled in the other place
 ///     Leave (or Resume, if that failed)
 ///     Next: what is not handled       -->   Hand
-///     Passed                          <--   Complete: it receives everything of a publisher by itself
+///     Passed                          <--   FirstOwn: it receives everything of a publisher by itself
 ///     destroyed                             Finish
 ///
 /// Threading: as Components, of which it is a part; ends before it. `wake` is called on any thread when there is
@@ -77,10 +77,11 @@ class HGROS_EXPORT LeavingComponent {
   void Leave();
   /// After Leave: the next message for the other place.
   [[nodiscard]] std::optional<MovingMessage> Next();
-  /// The other place receives everything of that publisher by itself.
+  /// The other place receives this message and all later ones of its publisher by itself. It gets those before it from
+  /// here.
   void Passed(const InputPosition& position);
-  /// All publishers from which something was received have passed. One that publishes nothing does not pass: set a
-  /// limit. The messages that it publishes meanwhile come over both places.
+  /// All publishers from which something was received have passed, and the other place has all of their messages. One
+  /// that publishes nothing does not pass: set a limit. The messages that it publishes meanwhile come over both places.
   [[nodiscard]] bool all_passed() const;
   /// Messages that could not be written for the other place.
   [[nodiscard]] std::uint64_t lost() const noexcept;
@@ -113,8 +114,8 @@ class HGROS_EXPORT ArrivingComponent {
   void Hand(const MovingMessage& message);
   /// Handles what has come by itself, but only some of it at a time. Returns whether more may wait.
   bool Work();
-  /// Publishers from which everything comes by itself, each once.
-  [[nodiscard]] std::vector<InputPosition> Complete();
+  /// The first message of each publisher after which all others come by themselves, each once.
+  [[nodiscard]] std::vector<InputPosition> FirstOwn();
   /// There is nothing more from the other place.
   void Finish();
 

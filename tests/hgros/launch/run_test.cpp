@@ -351,6 +351,38 @@ TEST(HgrosRun, NothingIsLeftWhenItIsKilled) {
       << "Its name is free again.";
 }
 
+// One child stays in the process group; the other leaves it and its session, and only a control group holds it.
+TEST(HgrosRun, NothingIsLeftOfWhatProgramsStart) {
+  const RobotFolder robot(
+      "components: {does: {type: relay/Does}}\n"
+      "programs:\n"
+      "  starts: {command: [sh, -c, 'sleep 100 & echo has $!; setsid sleep 100 & echo has $!; cat /proc/self/cgroup;"
+      " echo up; wait']}\n");
+  const auto children = [&](const std::string& out) {
+    std::vector<pid_t> all;
+    const std::regex row(R"(has (\d+)\n)");
+    for (std::sregex_iterator at(out.begin(), out.end(), row), end; at != end; ++at) all.push_back(std::stoi((*at)[1]));
+    EXPECT_EQ(all.size(), 2U) << out;
+    if (out.find("/hgros-") == std::string::npos && all.size() == 2) {  // No control group may be made here.
+      (void)kill(all.back(), SIGKILL);                                  // Nobody else does.
+      all.pop_back();
+    }
+    return all;
+  };
+  for (const int number : {SIGINT, SIGKILL}) {
+    CommandRun run(robot.Arguments(), robot.environment());
+    ASSERT_TRUE(run.Prints("up"));
+    run.Signal(number);
+    EXPECT_EQ(run.Wait(), 128 + number);
+    for (const pid_t child : children(run.out())) EXPECT_TRUE(test::Await([child] { return !Runs(child); })) << number;
+  }
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("up"));
+  const std::vector<pid_t> before = children(run.out());
+  EXPECT_EQ(RunToEnd({"restart", "starts"}, robot.environment()).status, 0);
+  for (const pid_t child : before) EXPECT_TRUE(test::Await([child] { return !Runs(child); })) << "A restart.";
+}
+
 TEST(HgrosRun, ProcessesHaveNoDescriptorsOfOthers) {
   const RobotFolder robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\nprocesses: {p: {components: [a]}}\n"
