@@ -4,13 +4,16 @@
 #include <signal.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <random>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
@@ -108,52 +111,111 @@ TEST(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
   EXPECT_TRUE(host.IsLeftClean()) << host.Left();
 }
 
-TEST(HgrosRemote, AMoveThatLosesItsConnectionLeavesTheComponentInOnePlace) {
+// A robot whose passing component moves between two hosts.
+class MovingBetweenHosts {
+ public:
+  explicit MovingBetweenHosts(const SshHost& host) : host_(host) {}
+
+  // Where it runs, if that is one place and nothing is on its way.
+  [[nodiscard]] std::string Place() const {
+    static const std::regex kPlace(R"(passing +moving/Passing +(\w+)[^\n]* running)");
+    const auto ps = host_.OnDesk(robot_, {"ps"});
+    (void)ps->Wait();
+    const std::string rows = ps->out();
+    std::smatch found;
+    if (rows.find("starting") != std::string::npos || rows.find("waiting") != std::string::npos) return {};
+    if (!std::regex_search(rows, found, kPlace)) return {};
+    const std::string rest = found.suffix();
+    return std::regex_search(rest, kPlace) ? "" : found[1].str();
+  }
+  [[nodiscard]] std::unique_ptr<CommandRun> Move(const std::string& to) const {
+    return host_.OnDesk(robot_, {"move", "passing", "--to", to});
+  }
+  // How many thousands have come through.
+  [[nodiscard]] std::ptrdiff_t thousands() const { return Count("has \\d+000\\."); }
+  [[nodiscard]] std::ptrdiff_t faults() const { return Count("(lost|again) \\d"); }
+  [[nodiscard]] bool Flows() const {
+    const auto before = thousands();
+    return test::Await([&] { return thousands() > before; });
+  }
+  [[nodiscard]] CommandRun& run() const { return *run_; }
+
+ private:
+  [[nodiscard]] std::ptrdiff_t Count(const char* pattern) const {
+    const std::string out = run_->out();
+    const std::regex regex(pattern);
+    return std::distance(std::sregex_iterator(out.begin(), out.end(), regex), std::sregex_iterator());
+  }
+  const SshHost& host_;
+  const RobotFolder robot_{std::string(kHosts) +
+                           "components:\n"
+                           "  counting: {type: moving/Counting}\n"
+                           "  passing: {type: moving/Passing, checkpoint: 50ms}\n"
+                           "  judging: {type: moving/Judging}\n"
+                           "processes:\n"
+                           "  near: {components: [counting, judging, passing], restart: on-failure}\n"
+                           "  far: {host: base, restart: on-failure}\n"};
+  const std::unique_ptr<CommandRun> run_ = host_.Run(robot_);
+};
+
+// What is killed, or stopped for a moment, during a move between hosts.
+struct Victim {
+  std::string space;
+  std::string name;
+};
+
+// More rounds: HGROS_MOVE_ROUNDS=200.
+TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
+  constexpr int kRoundsOfARobot = 4;  // A process that is killed more often is not started again.
   const SshHost host;
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const RobotFolder robot(std::string(kHosts) +
-                          "components:\n"
-                          "  counting: {type: moving/Counting}\n"
-                          "  passing: {type: moving/Passing, checkpoint: 50ms}\n"
-                          "  judging: {type: moving/Judging}\n"
-                          "processes:\n"
-                          "  near: {components: [counting, judging, passing]}\n"
-                          "  far: {host: base, restart: on-failure}\n");
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("far")) << run->out() << run->err();
-  const std::regex place(R"(passing +moving/Passing +(\w+)[^\n]* running)");
-  std::mt19937 random(11);
-  for (int round = 0; round < 5; ++round) {
-    std::string at;
-    const auto lives_in_one_place = [&] {
-      const auto ps = host.OnDesk(robot, {"ps"});
-      (void)ps->Wait();
-      const std::string rows = ps->out();
-      std::smatch found;
-      if (!std::regex_search(rows, found, place) || rows.find("starting") != std::string::npos) return false;
-      if (rows.find("waiting") != std::string::npos) return false;
-      at = found[1];
-      const std::string rest = found.suffix();
-      return !std::regex_search(rest, place);
-    };
-    ASSERT_TRUE(test::Await(lives_in_one_place)) << run->out();
-    const auto move = host.OnDesk(robot, {"move", "passing", "--to", at == "near" ? "far" : "near"});
-    test::Linger(std::chrono::microseconds(5'000 + random() % 25'000));
-    const pid_t ssh = FindOn(host.cable.left, "ssh");
-    if (ssh != 0) (void)kill(ssh, SIGKILL);
-    (void)move->Wait();
-    ASSERT_TRUE(test::Await(lives_in_one_place)) << move->err() << run->out();
-    const auto thousands = [&] {
-      const std::string out = run->out();
-      const std::regex has("has \\d+000\\.");
-      return std::distance(std::sregex_iterator(out.begin(), out.end(), has), std::sregex_iterator());
-    };
-    const auto before = thousands();
-    EXPECT_TRUE(test::Await([&] { return thousands() > before; })) << run->out();
+  const std::string& desk = host.cable.left;
+  const std::string& base = host.cable.right;
+  const std::vector<Victim> victims{{desk, "ssh"}, {base, "sshd"}, {base, "hgros"},
+                                    {base, "far"}, {desk, "near"}, {desk, "hgros"}};
+  const char* wanted = std::getenv("HGROS_MOVE_ROUNDS");
+  const char* chosen = std::getenv("HGROS_MOVE_SEED");
+  const unsigned seed = chosen == nullptr ? std::random_device()() : static_cast<unsigned>(std::stoul(chosen));
+  SCOPED_TRACE("HGROS_MOVE_SEED=" + std::to_string(seed));
+  std::mt19937 random(seed);
+  int left = wanted == nullptr ? 2 * kRoundsOfARobot : std::stoi(wanted);
+  while (left > 0 && !testing::Test::HasFailure()) {
+    const MovingBetweenHosts robot(host);
+    ASSERT_TRUE(robot.run().Prints("far")) << robot.run().out() << robot.run().err();
+    bool starter_killed = false;
+    for (int round = 0; round < kRoundsOfARobot && !starter_killed && !HasFailure(); ++round, --left) {
+      std::string at;
+      ASSERT_TRUE(test::Await([&] { return !(at = robot.Place()).empty(); })) << robot.run().out();
+      const Victim& victim = victims[random() % victims.size()];
+      const bool kills = random() % 2 == 0;
+      const auto after = std::chrono::microseconds(random() % 40'000);
+      SCOPED_TRACE("from " + at + ", " + (kills ? "kills " : "stops ") + victim.name + " after " +
+                   std::to_string(after.count()) + " us");
+      const auto faults = robot.faults();
+      const auto move = robot.Move(at == "near" ? "far" : "near");
+      test::Linger(after);
+      const bool is_starter =
+          victim.space == desk && victim.name == "hgros";  // The command that moves has that name, too.
+      const pid_t process = (is_starter ? FindOn : FindLastOn)(victim.space, victim.name);
+      ASSERT_GT(process, 0);
+      ASSERT_EQ(kill(process, kills ? SIGKILL : SIGSTOP), 0);
+      starter_killed = kills && is_starter;
+      if (starter_killed) break;
+      if (!kills) {
+        test::Linger(std::chrono::milliseconds(random() % 300));
+        ASSERT_EQ(kill(process, SIGCONT), 0);
+      }
+      (void)move->Wait();
+      ASSERT_TRUE(test::Await([&] { return !robot.Place().empty(); })) << move->err() << robot.run().out();
+      EXPECT_TRUE(robot.Flows()) << robot.run().out();
+      if (!kills) {
+        EXPECT_EQ(robot.faults(), faults) << "Nobody has died.\n" << robot.run().out();
+      }
+    }
+    if (!starter_killed) robot.run().Signal(SIGINT);
+    EXPECT_EQ(robot.run().Wait(), 128 + (starter_killed ? SIGKILL : SIGINT)) << robot.run().out();
+    EXPECT_TRUE(host.IsLeftClean()) << host.Left();
   }
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
-  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
 }
 
 TEST(HgrosRemote, CtrlCEndsTheOtherHostsProcessesInOrder) {

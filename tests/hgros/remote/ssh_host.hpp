@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <sys/types.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -46,6 +47,15 @@ inline pid_t FindOn(const std::string& space, const std::string& name) {
     if (NameOf(one) == name) return one;
   }
   return 0;
+}
+
+/// The one of them that was started last.
+inline pid_t FindLastOn(const std::string& space, const std::string& name) {
+  pid_t last = 0;
+  for (const pid_t one : ProcessesOn(space)) {
+    if (NameOf(one) == name) last = std::max(last, one);
+  }
+  return last;
 }
 
 /// Two hosts: a desk, 10.198.0.1, and a base, 10.198.0.2, with Debian's sshd. The desk's ssh has a key for it.
