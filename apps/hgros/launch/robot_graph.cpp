@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hgros/base/names.hpp"
+#include "hgros/session/clock_publisher.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -191,7 +192,13 @@ std::set<std::string> RobotGraph::ChannelsFrom(std::string_view from, std::strin
     return (first.moves || first.component->process == one) && (second.moves || second.component->process == other);
   };
   std::set<std::string> channels;
+  const RobotProcess* follower = robot_.FindProcess(to);
   for (const auto& [channel, ends] : outputs_) {
+    if (channel == kClockChannel && follower != nullptr &&
+        follower->config.simulated_time) {  // Its session subscribes.
+      const auto publishes = [&](const End& end) { return end.moves || end.component->process == from; };
+      if (std::ranges::any_of(ends, publishes)) channels.insert(channel);
+    }
     const auto inputs = inputs_.find(channel);
     if (inputs == inputs_.end()) continue;
     for (const End& output : ends) {

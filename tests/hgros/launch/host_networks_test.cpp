@@ -54,6 +54,14 @@ class HostNetworksTest : public testing::Test {
   std::vector<ComponentDescription> descriptions_;
 };
 
+TEST_F(HostNetworksTest, HaveTheClockForProcessesThatFollowIt) {
+  descriptions_[1].outputs.push_back({"clock", "clock", "hgros.SimulatedTime", {}});
+  EXPECT_EQ(Networks().at("mapper").find("clock"), std::string::npos) << "It has a clock of its own.";
+  robot_.processes[3].config.simulated_time = true;
+  EXPECT_NE(Networks().at("camera").find("[\"clock\", \"hgros/call/plan\", \"image\"]"), std::string::npos);
+  EXPECT_NE(Networks().at("mapper").find("5651\", channels: [\"clock\", "), std::string::npos);
+}
+
 TEST_F(HostNetworksTest, HaveExactlyTheChannelsThatTheOtherHostUses) {
   EXPECT_EQ(Networks(), (std::map<std::string, std::string>{
                             {"camera",

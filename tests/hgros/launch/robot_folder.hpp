@@ -9,6 +9,7 @@
 #include <map>
 #include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hgros/command_run.hpp"
@@ -18,7 +19,8 @@ namespace hgros::cli {
 /// A robot file in a folder of its own, and its domain.
 class RobotFolder {
  public:
-  explicit RobotFolder(const std::string& text) {
+  explicit RobotFolder(const std::string& text, std::string manifests = WORDS_MANIFESTS)
+      : manifests_(std::move(manifests)) {
     std::string name = (std::filesystem::temp_directory_path() / "hgros_run_XXXXXX").string();
     folder_ = mkdtemp(name.data());
     std::ofstream(file()) << text;
@@ -30,7 +32,7 @@ class RobotFolder {
   [[nodiscard]] std::string file() const { return folder_ / "robot.yaml"; }
   [[nodiscard]] std::filesystem::path path(const std::string& name) const { return folder_ / name; }
   [[nodiscard]] std::map<std::string, std::string> environment() const {
-    return {{"HGROS_COMPONENT_PATH", WORDS_MANIFESTS},
+    return {{"HGROS_COMPONENT_PATH", manifests_},
             {"HGROS_DOMAIN", folder_.filename().string()},
             {"FOLDER", folder_.string()}};
   }
@@ -44,6 +46,7 @@ class RobotFolder {
   }
 
  private:
+  const std::string manifests_;  // The folder of the components.
   std::filesystem::path folder_;
 };
 
