@@ -34,7 +34,8 @@ class ArrivingComponent::Core {
     std::map<MessageSender, Stream> streams{};
   };
 
-  Core(Components::Core& its_components, OneComponent& its_one) : components(its_components), one(its_one) {}
+  Core(Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
+      : components(its_components), one(its_one), wake(std::move(its_wake)) {}
 
   void Handle(Input& input, const InputGate::Waiting& waiting) {
     try {
@@ -90,6 +91,7 @@ class ArrivingComponent::Core {
 
   Components::Core& components;
   OneComponent& one;
+  const std::function<void()> wake;
   std::vector<Input> inputs;
   std::vector<InputPosition> own;  // What FirstOwn has not told.
   SessionId from{};
@@ -105,9 +107,10 @@ ArrivingComponent::ArrivingComponent(Components& components, const ComponentSetu
   blank.state = nullptr;
   OneComponent& one = components.core_->Add(nullptr, blank);
   one.arrives = true;
-  core_ = std::make_unique<Core>(*components.core_, one);
+  core_ = std::make_unique<Core>(*components.core_, one, wake);
   for (const auto& gate : one.core.gates()) {
-    gate->Hold(wake);
+    // It may be long until this place begins. Until then a thread that waits would hold up other components.
+    gate->Hold(wake, InputGate::Full::kDropsOldest);
     core_->inputs.push_back({gate});
   }
   try {
@@ -132,6 +135,12 @@ ArrivingComponent::~ArrivingComponent() {
   } else {
     Finish();
   }
+}
+
+bool ArrivingComponent::HasPublisherHere(std::string_view channel) const {
+  const auto& outputs = core_->one.core.description().outputs;
+  if (std::ranges::find(outputs, channel, &ComponentChannel::channel) != outputs.end()) return false;  // Its own.
+  return SessionParts(core_->components.session()).IsPublished(channel);
 }
 
 void ArrivingComponent::Restore(const MovingState& moving) {
@@ -165,6 +174,7 @@ void ArrivingComponent::Begin() {
   one.core.SetState(ComponentState::kRunning);
   one.arrives = false;
   core_->begun = true;
+  for (const Core::Input& input : core_->inputs) input.gate->Hold(core_->wake, InputGate::Full::kBlocks);
   (void)Work();
 }
 

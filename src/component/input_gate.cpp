@@ -21,17 +21,24 @@ InputGate::InputGate(std::string node, const TypeInfo& type, AnyCallback callbac
 void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
   guard_->Run([&] {
     std::function<void()> wake;
+    Waiting dropped;  // Ends outside the lock.
     {
       std::unique_lock lock(mutex_);
       if (drains_ && *drains_ != std::this_thread::get_id()) {
         room_.wait_for(lock, kDrainPatience, [this] { return !drains_; });
       }
-      room_.wait(lock, [this] { return state_ != State::kHolds || waiting_.size() < kMostWaiting; });
+      room_.wait(lock, [this] {
+        return state_ != State::kHolds || waiting_.size() < kMostWaiting || full_ == Full::kDropsOldest;
+      });
       if (state_ == State::kClosed) return;
       if (state_ == State::kPasses) {
         if (!skipped_.empty() && Skips(info)) return;
         Note(info);
       } else {
+        if (waiting_.size() >= kMostWaiting && full_ == Full::kDropsOldest) {
+          dropped = std::move(waiting_.front());
+          waiting_.pop_front();
+        }
         waiting_.push_back({message, info});
         wake = wake_;
       }
@@ -44,10 +51,11 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
   });
 }
 
-void InputGate::Hold(std::function<void()> wake) {
+void InputGate::Hold(std::function<void()> wake, Full full) {
   const std::scoped_lock lock(mutex_);
   if (state_ == State::kPasses) state_ = State::kHolds;
   wake_ = std::move(wake);
+  full_ = full;
 }
 
 std::optional<InputGate::Waiting> InputGate::Next() {

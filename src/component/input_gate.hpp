@@ -45,10 +45,14 @@ class InputGate {
   [[nodiscard]] const std::string& node() const noexcept { return node_; }
   [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
 
-  // A message of the input. Blocks while very many wait, so that the publisher's limits hold here, too.
+  // When very many wait. kBlocks: the thread that brings one more waits, so that the publisher's limits hold here, too.
+  // kDropsOldest: they are not needed, because the other place of the component has them as well.
+  enum class Full { kBlocks, kDropsOldest };
+
+  // A message of the input.
   void Take(const AnyMessage& message, const MessageInfo& info);
   // From now on messages wait, and `wake` is called for each.
-  void Hold(std::function<void()> wake);
+  void Hold(std::function<void()> wake, Full full);
   // The oldest that waits.
   [[nodiscard]] std::optional<Waiting> Next();
   // Lets messages pass again. False if some still wait; from then on those of other threads wait until these are
@@ -80,6 +84,7 @@ class InputGate {
   std::condition_variable room_;
   State state_ = State::kPasses;
   std::function<void()> wake_;
+  Full full_ = Full::kBlocks;
   std::deque<Waiting> waiting_;
   std::optional<std::thread::id> drains_;  // Which thread handles them until none waits.
   std::vector<MessageInfo> skipped_;       // Up to where messages were handled in another place.

@@ -27,6 +27,9 @@ bool SessionParts::SettleInput(std::string_view channel, std::chrono::nanosecond
   const SessionCore& core = *session_.core_;
   return core.WaitUntil(timeout, [&] { return core.inbound_->IsSettled(channel); });
 }
+bool SessionParts::IsPublished(std::string_view channel) const {
+  return session_.core_->outbound_.Find(channel) != nullptr;
+}
 void SessionParts::TakeServicesFrom(SessionId other) { session_.core_->services().TakeFrom(other); }
 Time Session::SettleTimers() { return core_->timers().Settle(); }
 NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCallback callback,

@@ -230,6 +230,38 @@ TEST_F(ComponentMoveTest, TheOldPlaceHandsOverNothingThatTheNewOneHasItself) {
   EXPECT_EQ(seen(), UpTo(number));
 }
 
+TEST_F(ComponentMoveTest, AnArrivingComponentHoldsUpNoOther) {
+  constexpr int kMany = 3000;  // More than wait in it.
+  Place one;
+  Place other;
+  one.Start();
+  std::atomic<int> pings = 0;
+  std::vector<Subscription> others;  // As many as threads, and more.
+  for (unsigned i = 0; i <= std::thread::hardware_concurrency(); ++i) {
+    others.push_back(other.session.FromAny<PoseInFrame>("ping", Invoke::kSerial, [&](const PoseInFrame&) { ++pings; }));
+  }
+  const auto ping = outside_.Advertise<PoseInFrame>("ping");
+  ArrivingComponent arriving(other.components, AdderSetup(), [] {});
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 2, kPatience));
+  ASSERT_TRUE(outside_.WaitForSubscribers("ping", 1, kPatience));
+  ASSERT_TRUE(other.session.WaitForSubscribers("passed", 1, kPatience));
+  for (int number = 1; number <= kMany; ++number) Publish(number);
+  ASSERT_TRUE(SeesUpTo(kMany));
+  EXPECT_EQ(ping(Numbered(1)), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return pings == static_cast<int>(others.size()); }));
+  LeavingComponent leaving(one.components, "adder", [] {});
+  arriving.Restore(leaving.Hold(std::chrono::seconds(1)));
+  arriving.Begin();
+  leaving.Leave();
+  Publish(kMany + 1);
+  (void)Await([&] {
+    Exchange(leaving, arriving);
+    return leaving.all_passed();
+  });
+  EXPECT_TRUE(SeesUpTo(kMany + 1));
+  EXPECT_EQ(seen(), UpTo(kMany + 1));
+}
+
 TEST_F(ComponentMoveTest, TakesItsStateServicesAndTimersWithIt) {
   Place one;
   Place other;

@@ -202,6 +202,11 @@ void ComponentMoves::Receive(const Move& order) {
   Arriving one;
   one.place = std::make_unique<ArrivingComponent>(hosted_.components(), setup, [this] { reports_.Wake(); });
   one.awaited.assign(order.users().begin(), order.users().end());
+  for (Move::Users& users : one.awaited) {  // The old place counts this session; it does not count itself.
+    if (users.publishers() > 0 && one.place->HasPublisherHere(users.channel())) {
+      users.set_publishers(users.publishers() - 1);
+    }
+  }
   one.deadline = Clock::now() + kUsersPatience;
   arriving_[name] = std::move(one);
 }

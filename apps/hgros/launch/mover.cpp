@@ -166,9 +166,8 @@ void Mover::SendReceive(Move& move, const RunOrder::Move& looked) {
     const std::uint64_t others = one.subscribers() - std::min<std::uint64_t>(one.subscribers(), from_file);
     users.set_subscribers(known(there, one.channel()) + others);
     if (one.publishers() == 0) continue;
-    const std::uint64_t fewer = means_.graph.Publishes(*move.to->process, one.channel()) ? 1 : 0;
     const std::uint64_t more = means_.graph.Publishes(*move.from->process, one.channel()) ? 1 : 0;
-    users.set_publishers(one.publishers() - fewer + more);
+    users.set_publishers(one.publishers() + more);
   }
   Go(move, Stage::kReceives, kReceivePatience);
   Send(*move.to, order);

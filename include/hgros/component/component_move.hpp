@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hgros/base/export.hpp"
@@ -105,6 +106,9 @@ class HGROS_EXPORT ArrivingComponent {
   /// Ends the component unless Begin was called.
   ~ArrivingComponent();
 
+  /// Whether another component of this session publishes on the channel, or did before it left. Other sessions count
+  /// this one among the publishers then; WaitForPublishers here does not.
+  [[nodiscard]] bool HasPublisherHere(std::string_view channel) const;
   /// Throws Error if the state cannot be restored.
   void Restore(const MovingState& moving);
   /// It runs here now: it is activated, its services and timers begin, and messages are handled. Throws Error if one of

@@ -119,6 +119,33 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothing) {
                                  Not(HasSubstr("error"))));
 }
 
+// A session stays a publisher when its component has left, so the old place counts the new one.
+TEST(HgrosMove, AComponentFollowsItsPublisherToAPlaceWhichThatHasLeft) {
+  MovingRobot robot(
+      "components:\n"
+      "  counting: {type: moving/Counting}\n"
+      "  first: {type: moving/Passing, remap: {passed: between}}\n"
+      "  passing: {type: moving/Passing, remap: {number: between, count: count_again}}\n"
+      "  judging: {type: moving/Judging}\n"
+      "processes:\n"
+      "  ends: {components: [counting, judging]}\n"
+      "  a: {components: [first]}\n"
+      "  b: {components: [passing]}\n"
+      "  c: {}\n");
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  for (const std::string to : {"c", "a"}) {
+    const CommandEnd end = robot.Command({"move", "first", "--to", to});
+    EXPECT_EQ(end.status, 0) << end.err << robot.out();
+  }
+  for (const std::string to : {"c", "a", "b"}) {
+    const CommandEnd end = robot.Move(to);
+    EXPECT_EQ(end.status, 0) << end.err << robot.out();
+  }
+  EXPECT_TRUE(robot.Ask());
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  robot.End();
+}
+
 TEST(HgrosMove, SaysWhyItCannot) {
   MovingRobot robot(std::string(kMoving) + "programs: {program: {command: [sleep, 100d]}}\n");
   ASSERT_TRUE(robot.Runs());

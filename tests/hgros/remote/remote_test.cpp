@@ -184,6 +184,7 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
     const MovingBetweenHosts robot(host);
     ASSERT_TRUE(robot.run().Prints("far")) << robot.run().out() << robot.run().err();
     bool starter_killed = false;
+    bool killed = false;
     for (int round = 0; round < kRoundsOfARobot && !starter_killed && !HasFailure(); ++round, --left) {
       std::string at;
       ASSERT_TRUE(test::Await([&] { return !(at = robot.Place()).empty(); })) << robot.run().out();
@@ -209,7 +210,8 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
       (void)move->Wait();
       ASSERT_TRUE(test::Await([&] { return !robot.Place().empty(); })) << move->err() << robot.run().out();
       EXPECT_TRUE(robot.Flows()) << robot.run().out();
-      if (!kills) {
+      killed = killed || kills;  // Its messages may be missing for some time.
+      if (!killed) {
         EXPECT_EQ(robot.faults(), faults) << "Nobody has died.\n" << robot.run().out();
       }
     }

@@ -25,6 +25,9 @@ class SessionParts {
   // Not while the session ends.
   Time SettleTimers() { return session_.SettleTimers(); }
 
+  // Whether this session is announced as a publisher of the channel.
+  [[nodiscard]] bool IsPublished(std::string_view channel) const;
+
   // For components that move. Waits until the channel, which has a subscription, is received over links that stay as
   // long as the subscription. What comes before may come over those of an earlier subscription. Not in a callback.
   [[nodiscard]] bool SettleInput(std::string_view channel, std::chrono::nanoseconds timeout) const;
