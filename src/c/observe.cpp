@@ -96,9 +96,9 @@ hgros_status hgros_channels_get_user(const hgros_channels* channels, size_t inde
     }
     const auto& users = role == HGROS_ROLE_PUBLISHER ? list[index].publishers : list[index].subscribers;
     return c::GetOf(users, "User", user_index, user, [](const hgros::ChannelUser& of) {
-      return hgros_channel_user{
-          sizeof(hgros_channel_user), of.session.value,   of.process.c_str(), of.host.c_str(), of.pid,
-          of.type_name.c_str(),       of.lossless ? 1 : 0};
+      return hgros_channel_user{sizeof(hgros_channel_user), of.lossless ? 1 : 0, of.session.value,
+                                of.process.c_str(),         of.host.c_str(),     of.pid,
+                                of.type_name.c_str()};
     });
   });
 }

@@ -43,13 +43,13 @@ typedef struct hgros_message hgros_message;
 
 typedef struct hgros_message_info {
   size_t size;
+  int32_t remote;                ///< From another session.
   uint64_t publisher;            ///< The sender's session id.
   uint64_t incarnation;          ///< Grows with each start of the sender.
   uint64_t sequence;             ///< Counts the sender's messages on the channel.
   uint64_t key;                  ///< Names the message in all processes.
   int64_t publish_monotonic_ns;  ///< CLOCK_MONOTONIC of this host when published, or received from another host.
   int64_t publish_time_ns;       ///< The sender's wall clock; 0 for messages of the same session.
-  int32_t remote;                ///< From another session.
 } hgros_message_info;
 
 /// The message's bytes, valid as long as the message; 64-byte alignment is not promised. NULL and 0 for NULL.

@@ -47,12 +47,12 @@ typedef struct hgros_channel {
 /// A session that publishes a channel or subscribes to it.
 typedef struct hgros_channel_user {
   size_t size;
+  int32_t lossless;  ///< For a subscriber: nothing may be dropped.
   uint64_t session;  ///< Its id.
   const char* process;
   const char* host;
   int64_t pid;
   const char* type_name;  ///< The type it uses the channel with; empty: any type.
-  int32_t lossless;       ///< For a subscriber: nothing may be dropped.
 } hgros_channel_user;
 
 enum { HGROS_ROLE_PUBLISHER = 0, HGROS_ROLE_SUBSCRIBER = 1 };

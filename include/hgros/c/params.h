@@ -35,6 +35,7 @@ enum {
 
 typedef struct hgros_param_info {
   size_t size;
+  int32_t read_only;  ///< Keeps the value from the start of the program.
   const char* description;
   const char* unit;
   int32_t has_least;  ///< `least` is a bound of a number, or of each number of a list. Bounds are included.
@@ -43,7 +44,6 @@ typedef struct hgros_param_info {
   double most;
   const char* const* choices;  ///< For a text.
   size_t choice_count;
-  int32_t read_only;  ///< Keeps the value from the start of the program.
 } hgros_param_info;
 
 /// Declares a parameter of this program: `kind` is HGROS_PARAM_..., `fallback` its value as YAML if it was never set.
