@@ -205,6 +205,7 @@ TEST(CSession, SessionMayBeClosedInItsOwnCallback) {
     hgros_transforms* transforms;
   };
   static Both both;
+  closed = false;
   both = {session, transforms};
   const auto text = test::TextSchema();
   hgros_publisher* publisher = nullptr;
