@@ -71,7 +71,11 @@ hgros_status Guarded(F&& run) {
 template <class T, class F>
 hgros_status Creating(T** out, F&& make) {
   if (out != nullptr) *out = nullptr;
-  return Guarded([&] { Given(out, "the place for the result") = make().release(); });
+  return Guarded([&] {
+    auto made = make();
+    T*& place = Given(out, "the place for the result");
+    place = made.release();
+  });
 }
 
 // The struct of a caller that may have been compiled with an earlier or a later version: the fields that it has, the

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "c/calling.hpp"
+#include "hgros/base/fork_guard.hpp"
 #include "hgros/c/session.h"
 #include "hgros/session/session.hpp"
 
@@ -65,7 +66,7 @@ class Held final : public Dependent {
  public:
   explicit Held(std::unique_ptr<T> object) : object_(std::move(object)) {}
   ~Held() override {
-    if (left_) (void)object_.release();
+    if (left_) LeaveToParent(std::shared_ptr<const T>(std::move(object_)));  // Kept, as the session is.
   }
 
   template <class F>

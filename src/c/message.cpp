@@ -104,7 +104,11 @@ hgros_status hgros_message_get_info(const hgros_message* message, hgros_message_
 }
 
 hgros_status hgros_message_keep(const hgros_message* message, hgros_message** kept) {
-  return c::Creating(kept, [&] { return c::NewLease(c::Given(message, "message").raw, message->info); });
+  return c::Creating(kept, [&] {
+    const hgros_message& of = c::Given(message, "message");
+    (void)c::Given(kept, "the place for the result");  // Before a lease is counted.
+    return c::NewLease(of.raw, of.info);
+  });
 }
 
 void hgros_message_free(hgros_message* message) {

@@ -91,7 +91,8 @@ hgros_status hgros_loan_open(const hgros_publisher* publisher, size_t size, hgro
     return on.life->Use([&](hgros::Session& session) {
       auto block = session.Loan<hgros::Block>(on.channel, size);
       auto made = std::make_unique<hgros_loan>(hgros_loan{on.publish, on.channel, std::move(block)});
-      c::Given(loan, "the place for the result") = made.release();
+      hgros_loan*& place = c::Given(loan, "the place for the result");
+      place = made.release();
       return hgros_status{HGROS_OK};
     });
   });

@@ -29,6 +29,8 @@ TEST(CSession, NullArgumentsGiveACodeAndASentence) {
   EXPECT_EQ(hgros_loan_open(nullptr, 1, nullptr), HGROS_INVALID_ARGUMENT);
   EXPECT_EQ(hgros_loan_publish(nullptr, 0), HGROS_INVALID_ARGUMENT);
   EXPECT_EQ(hgros_queue_take(nullptr, 0, nullptr), HGROS_INVALID_ARGUMENT);
+  hgros_message* kept = nullptr;
+  EXPECT_EQ(hgros_message_keep(nullptr, &kept), HGROS_INVALID_ARGUMENT);
   EXPECT_EQ(hgros_message_keep(nullptr, nullptr), HGROS_INVALID_ARGUMENT);
   EXPECT_EQ(hgros_call(nullptr, "s", nullptr, nullptr, 0, nullptr, 0, nullptr), HGROS_INVALID_ARGUMENT);
   EXPECT_EQ(hgros_reply_set(nullptr, nullptr, 0), HGROS_INVALID_ARGUMENT);
