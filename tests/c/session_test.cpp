@@ -197,7 +197,7 @@ TEST(CSession, SubscriptionMayBeClosedInItsOwnCallback) {
 
 TEST(CSession, SessionMayBeClosedInItsOwnCallback) {
   // It stays until the process ends, so what its log uses must stay, too.
-  static LogLines log;
+  static LogLines& log = *new LogLines;
   static std::atomic<bool> closed{false};
   const auto session = test::Open(test::DomainYaml(), log).release();
   hgros_transforms* transforms = nullptr;
