@@ -64,7 +64,7 @@ typedef struct hgros_subscription_stats {
   int64_t queue_wait_p99_ns;  ///< and the time that 1 % exceed.
 } hgros_subscription_stats;
 
-/// Fills in `stats`. All zero once the subscription has ended.
+/// Fills in `stats`. Once the subscription has ended, all but `mismatched` are 0.
 hgros_status hgros_subscription_get_stats(const hgros_subscription* subscription, hgros_subscription_stats* stats);
 
 /// Ends the subscription and wakes threads that wait in hgros_queue_take(); the handle stays. May be called while other
