@@ -4,15 +4,23 @@
 #include "c/raw.hpp"
 #include "hgros/clock/time.hpp"
 
-struct hgros_publisher {
-  std::shared_ptr<hgros::c::Life> life;
+namespace hgros::c {
+
+// What a publisher and its loans share.
+struct Publishing {
+  std::shared_ptr<Life> life;
   std::string channel;
-  hgros::RawPublisher publish;
+  RawPublisher publish;
+};
+
+}  // namespace hgros::c
+
+struct hgros_publisher {
+  std::shared_ptr<const hgros::c::Publishing> of;
 };
 
 struct hgros_loan {
-  hgros::RawPublisher publish;
-  std::string channel;
+  std::shared_ptr<const hgros::c::Publishing> of;
   std::unique_ptr<hgros::Block> block;  // Null once it is published.
 };
 
@@ -57,7 +65,8 @@ hgros_status hgros_publisher_open(hgros_session* session, const char* channel, c
     const std::string name(c::Text(channel, "channel"));
     const auto latched = static_cast<std::size_t>(c::OptionsFrom(options).latched);
     auto publish = on.session->AdvertiseRaw(name, c::SchemaIn(schema, "schema"), {.latched = latched}, c::kFromC);
-    return std::make_unique<hgros_publisher>(hgros_publisher{on.life, name, std::move(publish)});
+    return std::make_unique<hgros_publisher>(
+        hgros_publisher{std::make_shared<const c::Publishing>(c::Publishing{on.life, name, std::move(publish)})});
   });
 }
 
@@ -69,7 +78,7 @@ hgros_status hgros_publish(const hgros_publisher* publisher, const void* data, s
 
 hgros_status hgros_publish_wait(const hgros_publisher* publisher, const void* data, size_t size, int64_t timeout_ns) {
   return c::Guarded([&] {
-    const hgros_publisher& on = c::Given(publisher, "publisher");
+    const c::Publishing& on = *c::Given(publisher, "publisher").of;
     return c::StatusOf(c::PublishIn(on.publish, c::Borrowed(data, size), timeout_ns), on.channel);
   });
 }
@@ -79,7 +88,7 @@ hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void
   return c::Guarded([&] {
     hgros::Payload payload{{}, std::make_shared<const c::User>(user, release)};
     payload.bytes = c::Borrowed(data, size).bytes;
-    const hgros_publisher& on = c::Given(publisher, "publisher");
+    const c::Publishing& on = *c::Given(publisher, "publisher").of;
     return c::StatusOf(c::PublishIn(on.publish, payload, timeout_ns), on.channel);
   });
 }
@@ -87,10 +96,10 @@ hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void
 hgros_status hgros_loan_open(const hgros_publisher* publisher, size_t size, hgros_loan** loan) {
   if (loan != nullptr) *loan = nullptr;
   return c::Guarded([&] {
-    const hgros_publisher& on = c::Given(publisher, "publisher");
-    return on.life->Use([&](hgros::Session& session) {
-      auto block = session.Loan<hgros::Block>(on.channel, size);
-      auto made = std::make_unique<hgros_loan>(hgros_loan{on.publish, on.channel, std::move(block)});
+    const auto& of = c::Given(publisher, "publisher").of;
+    return of->life->Use([&](hgros::Session& session) {
+      auto block = session.Loan<hgros::Block>(of->channel, size);
+      auto made = std::make_unique<hgros_loan>(hgros_loan{of, std::move(block)});
       hgros_loan*& place = c::Given(loan, "the place for the result");
       place = made.release();
       return hgros_status{HGROS_OK};
@@ -106,10 +115,11 @@ void* hgros_loan_data(hgros_loan* loan, size_t* size) {
 
 hgros_status hgros_loan_publish(hgros_loan* loan, int64_t timeout_ns) {
   return c::Guarded([&] {
-    hgros_loan& of = c::Given(loan, "loan");
-    if (!of.block) return c::Fail(HGROS_INVALID_ARGUMENT, "The loan was published before. Open a new one.");
-    const hgros_status status = c::StatusOf(c::PublishIn(of.publish, of.block->payload(), timeout_ns), of.channel);
-    if (status == HGROS_OK) of.block.reset();
+    hgros_loan& lent = c::Given(loan, "loan");
+    if (!lent.block) return c::Fail(HGROS_INVALID_ARGUMENT, "The loan was published before. Open a new one.");
+    const c::Publishing& on = *lent.of;
+    const hgros_status status = c::StatusOf(c::PublishIn(on.publish, lent.block->payload(), timeout_ns), on.channel);
+    if (status == HGROS_OK) lent.block.reset();
     return status;
   });
 }
