@@ -166,6 +166,9 @@ void ContextCore::SetUp(std::string_view channel, NodeOptions& options) {
   const NodeOverride set = SetUpNode(channel, options.name);
   options.queue = set.queue.value_or(options.queue);
   options.executor = set.executor.value_or(options.executor);
+  if (options.executor.kind() == Executor::Kind::kPolled) {
+    throw Error("Node \"" + options.name + "\" of a component cannot be polled.", {}, "Choose another executor.");
+  }
 }
 
 void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, NodeOptions options) {

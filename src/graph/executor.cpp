@@ -15,6 +15,12 @@ Executor Executor::Inline() {
   return executor;
 }
 
+Executor Executor::Polled() {
+  Executor executor;
+  executor.kind_ = Kind::kPolled;
+  return executor;
+}
+
 Executor Executor::Dedicated(std::vector<int> cpus, int fifo_priority) {
   if (fifo_priority < 0 || fifo_priority > 99) {
     throw Error("The SCHED_FIFO priority " + std::to_string(fifo_priority) + " does not exist.", {},

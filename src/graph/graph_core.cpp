@@ -8,6 +8,7 @@
 #include "graph/nodes/dedicated_node.hpp"
 #include "graph/nodes/inline_concurrent_node.hpp"
 #include "graph/nodes/inline_serial_node.hpp"
+#include "graph/nodes/polled_node.hpp"
 #include "graph/nodes/tbb_node.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
@@ -65,7 +66,8 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& typ
   setting.executor = std::move(options.executor);
   if (const auto entry = options_.overrides.find(setting.name); entry != options_.overrides.end()) {
     if (entry->second.queue) setting.queue = *entry->second.queue;
-    if (entry->second.executor) setting.executor = *entry->second.executor;
+    const bool polled = setting.executor.kind() == Executor::Kind::kPolled;  // Only the program can run its messages.
+    if (entry->second.executor && !polled) setting.executor = *entry->second.executor;
   }
   {
     const std::scoped_lock lock(mutex_);
@@ -85,6 +87,7 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& typ
     case Executor::Kind::kDedicated:
       node = std::make_shared<DedicatedNode>(std::move(setting), std::move(callback));
       break;
+    case Executor::Kind::kPolled: node = std::make_shared<PolledNode>(std::move(setting), std::move(callback)); break;
     case Executor::Kind::kInline:
       if (invoke == Invoke::kSerial) {
         node = std::make_shared<InlineSerialNode>(std::move(setting), std::move(callback));

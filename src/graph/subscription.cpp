@@ -139,6 +139,16 @@ NodeSnapshot Subscription::stats() const {
   return node ? node->Snapshot() : NodeSnapshot();
 }
 
+std::size_t Subscription::RunWaiting(std::size_t most) {
+  const std::shared_ptr<Node> node = Current();
+  return node ? node->RunWaiting(most) : 0;
+}
+
+int Subscription::descriptor() const {
+  const std::shared_ptr<Node> node = Current();
+  return node ? node->descriptor() : -1;
+}
+
 void Subscription::Attach(std::shared_ptr<const void> companion) {
   if (!state_) return;
   const std::scoped_lock lock(state_->mutex);

@@ -132,6 +132,10 @@ std::vector<ServiceSnapshot> Services::Snapshot() const {
 std::shared_ptr<ServiceHost> Services::Serve(ServiceSetting setting, NodeOptions options, const CallSite& where) {
   RequireServiceName(setting.name);
   const std::string name = setting.name;
+  if (options.executor.kind() == Executor::Kind::kPolled) {
+    throw Error("Service \"" + name + "\" cannot be polled: nobody would run its handler.", where.ToString(),
+                "Choose another executor; Executor::Polled() is for subscriptions.");
+  }
   auto host = std::make_shared<ServiceHost>(std::move(setting), shared_from_this());
   {
     const std::scoped_lock lock(mutex_);

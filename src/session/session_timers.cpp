@@ -23,6 +23,10 @@ std::uint64_t NextTimer() {
 }
 
 NodeOptions NodeOptionsOf(std::string_view name, const NodeTimerOptions& options) {
+  if (options.executor.kind() == Executor::Kind::kPolled) {
+    throw Error("Timer \"" + std::string(name) + "\" cannot be polled: nobody would run its callback.", {},
+                "Choose another executor; Executor::Polled() is for subscriptions.");
+  }
   const Queue by_policy = options.missed == Missed::kCatchUp ? Queue::KeepLast(kCatchUpDepth) : Queue::Latest();
   return {std::string(name), options.queue.value_or(by_policy), options.executor};
 }

@@ -26,7 +26,7 @@ LAYERS = [
     ["bridge", "services", "config"],
     ["session"],
     ["tf", "params"],
-    ["component"],
+    ["component", "c"],
     ["placement", "testing"],
     ["hgros"],  # the header and the library of the whole project may use every module
 ]

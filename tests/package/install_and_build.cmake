@@ -75,3 +75,30 @@ execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${examples}
     ${prefix}/bin/hgros run ${EXAMPLES}/slam2d/three_processes.yaml --set source.params.scans=50
     --set writer.params.out=${SCRATCH}/slam2d_out
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+
+# Those in C need no C++ compiler, and no CMake.
+set(c_examples ${SCRATCH}/c_examples)
+execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES}/c -B ${c_examples} -D CMAKE_C_COMPILER=${C_COMPILER}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
+  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${c_examples} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+file(GLOB_RECURSE pc ${prefix}/*/hgros_c.pc)
+cmake_path(GET pc PARENT_PATH pc_folder)
+set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+execute_process(COMMAND pkg-config --cflags --libs hgros_c OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE
+  COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(flags UNIX_COMMAND "${flags}")
+file(GLOB_RECURSE c_library ${prefix}/*/libhgros_c.so)
+cmake_path(GET c_library PARENT_PATH c_folder)
+execute_process(COMMAND ${C_COMPILER} -std=c99 ${EXAMPLES}/c/service.c ${flags} -Wl,-rpath,${c_folder} -o ${SCRATCH}/service
+  COMMAND_ERROR_IS_FATAL ANY)
+foreach(program IN ITEMS ${c_examples}/service ${SCRATCH}/service)
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_DOMAIN=none ${program} OUTPUT_VARIABLE shown COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT shown STREQUAL "2 + 40 = 42\n")
+    message(FATAL_ERROR "${program} printed: ${shown}")
+  endif()
+endforeach()
+file(SIZE ${c_library} size)
+if(size GREATER 300000)
+  message(FATAL_ERROR "libhgros_c.so has ${size} bytes, more than 300000, although it is stripped.")
+endif()

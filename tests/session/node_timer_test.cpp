@@ -133,6 +133,16 @@ TEST(NodeTimer, IsConfiguredAndCountedLikeAnyNode) {
   EXPECT_EQ(node.failed, 1U);
 }
 
+TEST(NodeTimer, RefusesAnExecutorThatNobodyRunsAsServicesDo) {
+  const auto session = SessionOn(nullptr);
+  EXPECT_THROW((void)session->CreateTimer("t", 1s, [](const Tick&) {}, {.executor = Executor::Polled()}), Error);
+  const MessageSchema text{"text", Encoding::kCustom, 0, {}};
+  const auto echo = [](const RawMessage& request) { return request.data; };
+  EXPECT_THROW((void)session->ServeRaw("echo", text, text, echo, Invoke::kSerial, {.executor = Executor::Polled()}),
+               Error);
+  (void)session->ServeRaw("echo", text, text, echo);  // The name is still free.
+}
+
 TEST(NodeTimer, RefusesAnEmptyNameAZeroPeriodAndANameInUse) {
   const auto clock = SimulatedClock::Paused();
   const auto session = SessionOn(clock);

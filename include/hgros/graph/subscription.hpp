@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -31,6 +32,15 @@ class HGROS_EXPORT Subscription {
   bool Join();
   /// Ends the subscription as the destructor does.
   void Reset();
+
+  /// With Executor::Polled(): calls the callback on this thread with `most` of the waiting messages, the oldest first,
+  /// or with fewer if no more wait. Returns how many; always 0 with another executor. Never waits. Several threads may
+  /// call it: each message goes to one of them.
+  std::size_t RunWaiting(std::size_t most = 1);
+  /// With Executor::Polled(): a descriptor that is readable while messages wait, and once the subscription or its
+  /// session has ended. Wait for it with poll() and the like; neither read, write nor close it. Valid while the
+  /// subscription is active; -1 otherwise, and with another executor.
+  [[nodiscard]] int descriptor() const;
 
   [[nodiscard]] bool active() const;
   /// The node's name in configuration and tables; empty if inactive.

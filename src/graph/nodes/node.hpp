@@ -89,6 +89,11 @@ class Node : public std::enable_shared_from_this<Node> {
   void ExpectOneForm() noexcept { two_forms_.store(false, std::memory_order_relaxed); }
   [[nodiscard]] bool expects_two_forms() const noexcept { return two_forms_.load(std::memory_order_relaxed); }
 
+  // For a node whose callback the program runs: runs it with up to `most` messages on this thread and returns how many;
+  // and a descriptor that is readable while messages wait or once the node is closed.
+  virtual std::size_t RunWaiting(std::size_t /*most*/) noexcept { return 0; }
+  [[nodiscard]] virtual int descriptor() const noexcept { return -1; }
+
   // Waits after Close() for the end of the node's own thread, if it has one; does nothing on that thread.
   virtual void JoinThread() {}
 

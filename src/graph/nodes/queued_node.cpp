@@ -179,7 +179,7 @@ bool QueuedNode::WaitForOthers(int own, std::chrono::steady_clock::time_point de
   std::unique_lock lock(mutex_);
   ++watchers_;
   const bool idle = changed_.wait_until(lock, deadline, [this, own] {
-    return running_ <= own && (own > 0 || !destroying_callback()) && (closed_ || !HasMessages());
+    return running_ <= own && (own > 0 || !destroying_callback()) && (closed_ || !HasMessages() || !RunsByItself());
   });
   --watchers_;
   return idle;

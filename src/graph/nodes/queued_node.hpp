@@ -34,6 +34,8 @@ class QueuedNode : public Node {
   virtual void Wake() noexcept = 0;
 
   std::size_t QueuedNow() const override;
+  // Whether waiting messages are going to run, so that WaitForOthers() may wait for that.
+  [[nodiscard]] virtual bool RunsByItself() const noexcept { return true; }
 
   // Runs `most` waiting messages (or a few more), latched ones first, then the oldest. `lock` is released while
   // callbacks run. Returns early if no message is left or the node is closed.

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "graph/nodes/exit_on_worker.hpp"
+#include "graph/exit_on_worker.hpp"
 #include "hgros/base/system_limits.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 

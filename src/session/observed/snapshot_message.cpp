@@ -16,7 +16,13 @@ constexpr double kMiddle = 0.5;
 constexpr double kAlmostAll = 0.99;
 
 const char* NameOf(Executor::Kind kind) {
-  return kind == Executor::Kind::kInline ? "inline" : kind == Executor::Kind::kDedicated ? "dedicated" : "tbb";
+  switch (kind) {
+    case Executor::Kind::kTbb: break;
+    case Executor::Kind::kInline: return "inline";
+    case Executor::Kind::kDedicated: return "dedicated";
+    case Executor::Kind::kPolled: return "polled";
+  }
+  return "tbb";
 }
 
 std::int64_t ProcessCpuTime() {

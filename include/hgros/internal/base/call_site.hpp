@@ -16,8 +16,10 @@ struct HGROS_EXPORT CallSite {
                                                   int line = __builtin_LINE()) noexcept {
     return {file, line};
   }
-  /// "file:line".
-  [[nodiscard]] std::string ToString() const { return std::string(file) + ":" + std::to_string(line); }
+  /// "file:line", or "file" alone if the line is 0.
+  [[nodiscard]] std::string ToString() const {
+    return line == 0 ? std::string(file) : std::string(file) + ":" + std::to_string(line);
+  }
 };
 
 }  // namespace hgros

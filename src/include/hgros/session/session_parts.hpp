@@ -45,6 +45,13 @@ class SessionParts {
     return session_.SubscribeAny(session_.OpenToSubscribe(channel, type, where), type, invoke, std::move(callback),
                                  std::move(options));
   }
+  // As Session::FromAnyRaw on a channel of `type`, which is then compared with the types of publishers: a mismatch in
+  // this session throws TypeMismatch, one with another session is reported. Its messages may come all the same.
+  [[nodiscard]] Subscription SubscribeRaw(std::string_view channel, const TypeInfo& type, Invoke invoke,
+                                          AnyCallback callback, NodeOptions options, const CallSite& where) {
+    return session_.SubscribeAny(session_.OpenToSubscribe(channel, type, where), AnyType(), invoke, std::move(callback),
+                                 std::move(options));
+  }
   using ServiceTypes = SessionServices::CallTypes;
   [[nodiscard]] Service Serve(std::string_view name, const ServiceTypes& types, AnyHandler handler, Invoke invoke,
                               NodeOptions options, const CallSite& where) {

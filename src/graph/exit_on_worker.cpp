@@ -1,4 +1,4 @@
-#include "graph/nodes/exit_on_worker.hpp"
+#include "graph/exit_on_worker.hpp"
 
 #include <unistd.h>
 

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "hgros/base/forced_unwind.hpp"
+#include "hgros/c/status.h"
+#include "hgros/internal/base/call_site.hpp"
+
+// How a function of the C interface calls C++, and how C++ calls back.
+namespace hgros::c {
+
+inline constexpr std::string_view kSessionClosed = "The session was closed before.";
+// What errors name in place of a line of source.
+inline constexpr CallSite kFromC{"a call of the C interface"};
+
+// Remembers the sentence for hgros_last_error() and returns the status.
+hgros_status Fail(hgros_status status, std::string_view sentence) noexcept;
+// The same for the exception in flight.
+hgros_status FailHere() noexcept;
+
+// An argument that cannot be used; becomes HGROS_INVALID_ARGUMENT.
+class InvalidArgument : public std::exception {
+ public:
+  explicit InvalidArgument(std::string sentence) : sentence_(std::move(sentence)) {}
+  [[nodiscard]] const char* what() const noexcept override { return sentence_.c_str(); }
+
+ private:
+  std::string sentence_;
+};
+[[noreturn]] void RefuseNull(const char* argument);
+
+template <class T>
+T& Given(T* pointer, const char* argument) {
+  if (pointer == nullptr) RefuseNull(argument);
+  return *pointer;
+}
+inline std::string_view Text(const char* text, const char* argument) { return &Given(text, argument); }
+// Empty for NULL.
+inline std::string_view TextOrNone(const char* text) noexcept { return text == nullptr ? std::string_view() : text; }
+// A negative timeout means forever.
+inline std::chrono::nanoseconds Timeout(std::int64_t timeout_ns) noexcept {
+  return timeout_ns < 0 ? std::chrono::nanoseconds::max() : std::chrono::nanoseconds(timeout_ns);
+}
+// The caller frees it with hgros_text_free().
+char* NewText(std::string_view text);
+
+// Runs `run`, which returns a status or nothing. No exception leaves it; only a thread that is being cancelled unwinds.
+template <class F>
+hgros_status Guarded(F&& run) {
+  try {
+    if constexpr (std::is_void_v<std::invoke_result_t<F&>>) {
+      run();
+      return HGROS_OK;
+    } else {
+      return run();
+    }
+  } catch (const ForcedUnwind&) {
+    throw;
+  } catch (...) {
+    return FailHere();
+  }
+}
+// The same for a function that creates `*out`, which is null if it fails.
+template <class T, class F>
+hgros_status Creating(T** out, F&& make) {
+  if (out != nullptr) *out = nullptr;
+  return Guarded([&] {
+    auto made = make();
+    T*& place = Given(out, "the place for the result");
+    place = made.release();
+  });
+}
+
+// The struct of a caller that may have been compiled with an earlier or a later version: the fields that it has, the
+// others 0. Null stands for all 0.
+template <class T>
+T OptionsFrom(const T* given) {
+  T options{};
+  if (given == nullptr) return options;
+  if (given->size < sizeof(std::size_t))
+    throw InvalidArgument("The field \"size\" of a struct is not set. Set it to its sizeof.");
+  std::memcpy(&options, given, given->size < sizeof(T) ? given->size : sizeof(T));
+  options.size = sizeof(T);
+  return options;
+}
+template <class T>
+void FillIn(T* out, T value) {
+  const std::size_t size = Given(out, "the struct to fill in").size;
+  if (size < sizeof(std::size_t))
+    throw InvalidArgument("The field \"size\" of a struct is not set. Set it to its sizeof.");
+  value.size = size;
+  std::memcpy(out, &value, size < sizeof(T) ? size : sizeof(T));
+}
+
+// What a program passes to its callback, and lets go when no call can come any more.
+class User {
+ public:
+  User(void* user, hgros_release release) noexcept : user_(user), release_(release) {}
+  User(const User&) = delete;
+  User& operator=(const User&) = delete;
+  ~User() {
+    if (release_ != nullptr) release_(user_);
+  }
+  [[nodiscard]] void* get() const noexcept { return user_; }
+
+ private:
+  void* const user_;
+  const hgros_release release_;
+};
+
+// Marks this thread as running a callback of an object, such as a session, while it lives. Marks nest.
+class InCallback {
+ public:
+  explicit InCallback(const void* of) noexcept : of_(of), outer_(innermost) { innermost = this; }
+  InCallback(const InCallback&) = delete;
+  InCallback& operator=(const InCallback&) = delete;
+  ~InCallback() { innermost = outer_; }
+  [[nodiscard]] static bool Of(const void* object) noexcept {
+    for (const InCallback* one = innermost; one != nullptr; one = one->outer_) {
+      if (one->of_ == object) return true;
+    }
+    return false;
+  }
+
+ private:
+  static thread_local const InCallback* innermost;
+  const void* const of_;
+  const InCallback* const outer_;
+};
+
+}  // namespace hgros::c

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "c/calling.hpp"
+#include "hgros/base/fork_guard.hpp"
+#include "hgros/c/session.h"
+#include "hgros/session/session.hpp"
+
+namespace hgros::c {
+
+// Something that must end before its session, but whose handle may outlive it.
+class Dependent {
+ public:
+  virtual ~Dependent() = default;
+  // Refuses further use, waits for the uses that run, and destroys the object.
+  virtual void End() = 0;
+  // The session was left inside a callback: the object stays until the process ends, as the session does.
+  virtual void Leave() noexcept = 0;
+};
+
+// What the handles of a session share with it. They keep it alive; it does not keep the session.
+//
+// Thread safety: all functions.
+class Life {
+ public:
+  explicit Life(Session& session) : session_(&session) {}
+
+  [[nodiscard]] bool closed() const noexcept { return closed_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::stop_token stop() const noexcept { return stop_.get_token(); }
+  // Runs `use` with the session, which does not end meanwhile. `use` must not wait.
+  template <class F>
+  hgros_status Use(F&& use) {
+    const std::shared_lock lock(mutex_);
+    if (session_ == nullptr) return Fail(HGROS_CLOSED, kSessionClosed);
+    return use(*session_);
+  }
+  void Add(const std::shared_ptr<Dependent>& dependent);
+  // The session is about to end. `inside`: in one of its callbacks.
+  void End(bool inside);
+
+ private:
+  std::atomic<bool> closed_{false};
+  std::stop_source stop_;
+  std::shared_mutex mutex_;
+  Session* session_;
+  std::vector<std::weak_ptr<Dependent>> dependents_;
+};
+
+// An object of a session in a handle. Functions of it that wait get `stop`.
+//
+// Thread safety: all functions. A use may use it again, for example in a callback.
+template <class T>
+class Held final : public Dependent {
+ public:
+  explicit Held(std::unique_ptr<T> object) : object_(std::move(object)) {}
+  ~Held() override {
+    if (left_) LeaveToParent(std::shared_ptr<const T>(std::move(object_)));  // Kept, as the session is.
+  }
+
+  template <class F>
+  hgros_status Use(F&& use) {
+    T* object = nullptr;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!ended_) object = object_.get();
+      if (object != nullptr) ++uses_;
+    }
+    if (object == nullptr) return Fail(HGROS_CLOSED, "The session or this handle was closed before.");
+    const auto leave = [this](T*) {
+      const std::scoped_lock lock(mutex_);
+      if (--uses_ == 0) unused_.notify_all();
+    };
+    const std::unique_ptr<T, decltype(leave)> used(object, leave);
+    return use(*object);
+  }
+  [[nodiscard]] std::stop_token stop() const noexcept { return stop_.get_token(); }
+
+  void End() override {
+    stop_.request_stop();
+    std::unique_ptr<T> ended;  // Destroyed without the lock, because its callbacks may use the handle.
+    std::unique_lock lock(mutex_);
+    ended_ = true;
+    unused_.wait(lock, [this] { return uses_ == 0; });
+    if (!left_) ended = std::move(object_);
+    lock.unlock();
+  }
+  void Leave() noexcept override {
+    stop_.request_stop();
+    const std::scoped_lock lock(mutex_);
+    ended_ = true;
+    left_ = true;
+  }
+
+ private:
+  std::stop_source stop_;
+  std::mutex mutex_;
+  std::condition_variable unused_;
+  std::unique_ptr<T> object_;
+  int uses_ = 0;
+  bool ended_ = false;
+  bool left_ = false;
+};
+
+// Ends an object and destroys its handle. Not inside a callback, for which the object may have to wait.
+template <class T, class F>
+hgros_status Closing(const Life* life, Held<T>& held, F&& destroy) {
+  return Guarded([&] {
+    if (InCallback::Of(&held) || (life != nullptr && InCallback::Of(life))) {
+      return Fail(HGROS_WOULD_DEADLOCK, "This handle cannot be closed inside a callback. Close it on another thread.");
+    }
+    held.End();
+    destroy();
+    return hgros_status{HGROS_OK};
+  });
+}
+
+}  // namespace hgros::c
+
+struct hgros_session {
+  std::unique_ptr<hgros::Session> session;
+  std::shared_ptr<hgros::c::Life> life;
+};

@@ -1,0 +1,138 @@
+#include "hgros/c/session.h"
+
+#include <filesystem>
+
+#include "c/handles.hpp"
+#include "hgros/config/config.hpp"
+
+namespace hgros::c {
+namespace {
+
+LogLevel LevelOf(std::int32_t level) {
+  if (level < HGROS_LOG_DEBUG || level > HGROS_LOG_ERROR) {
+    throw InvalidArgument("There is no log level " + std::to_string(level) +
+                          ". Use HGROS_LOG_DEBUG to HGROS_LOG_ERROR.");
+  }
+  return static_cast<LogLevel>(level);
+}
+
+// Before anything can fail, so that the program's pointer is let go in any case.
+struct Opening {
+  explicit Opening(const hgros_session_options* given) : options(OptionsFrom(given)) {
+    if (options.log == nullptr) return;
+    to.log = [log = options.log, user = std::make_shared<User>(options.log_user, options.log_release)](
+                 LogLevel level, std::string_view text) {
+      log(user->get(), static_cast<std::int32_t>(level), std::string(text).c_str());
+    };
+  }
+  const hgros_session_options options;
+  SessionOptions to;
+};
+
+std::unique_ptr<hgros_session> Open(Opening&& opening, Config config) {
+  opening.to.name = TextOrNone(opening.options.name);
+  auto session = std::make_unique<Session>(std::move(config), std::move(opening.to));
+  auto life = std::make_shared<Life>(*session);
+  return std::make_unique<hgros_session>(hgros_session{std::move(session), std::move(life)});
+}
+
+}  // namespace
+
+void Life::Add(const std::shared_ptr<Dependent>& dependent) {
+  const std::unique_lock lock(mutex_);
+  std::erase_if(dependents_, [](const auto& one) { return one.expired(); });
+  dependents_.push_back(dependent);
+}
+
+void Life::End(bool inside) {
+  closed_.store(true, std::memory_order_release);
+  stop_.request_stop();
+  std::vector<std::weak_ptr<Dependent>> dependents;
+  {
+    const std::unique_lock lock(mutex_);
+    session_ = nullptr;
+    dependents.swap(dependents_);
+  }
+  for (const auto& one : dependents) {
+    const auto dependent = one.lock();
+    if (dependent) inside ? dependent->Leave() : dependent->End();
+  }
+}
+
+}  // namespace hgros::c
+
+namespace c = hgros::c;
+
+hgros_status hgros_session_open(const char* yaml, const hgros_session_options* options, hgros_session** session) {
+  return c::Creating(session, [&] {
+    c::Opening opening(options);
+    return c::Open(std::move(opening), hgros::Config::Parse(c::TextOrNone(yaml)));
+  });
+}
+
+hgros_status hgros_session_open_files(const char* const* files, size_t count, const hgros_session_options* options,
+                                      hgros_session** session) {
+  return c::Creating(session, [&] {
+    c::Opening opening(options);
+    std::vector<std::filesystem::path> paths;
+    for (std::size_t i = 0; i < count; ++i) paths.emplace_back(c::Text(*(&c::Given(files, "files") + i), "a file"));
+    return c::Open(std::move(opening), hgros::Config::Load(paths));
+  });
+}
+
+// Handles of transforms and the like end first. In a callback nothing can be waited for, as ~Session says.
+void hgros_session_close(hgros_session* session) {
+  if (session == nullptr) return;
+  (void)c::Guarded([&] {
+    const std::unique_ptr<hgros_session> owned(session);
+    owned->life->End(c::InCallback::Of(owned->life.get()));
+  });
+}
+
+const char* hgros_session_name(const hgros_session* session) {
+  return session == nullptr ? nullptr : session->session->name().c_str();
+}
+
+uint64_t hgros_session_id(const hgros_session* session) {
+  return session == nullptr ? 0 : session->session->id().value;
+}
+
+hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeout_ns) {
+  return c::Guarded([&] {
+    if (c::Given(session, "session").session->WaitIdle(c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
+    return c::Fail(HGROS_TIMED_OUT, "The session still has messages to handle.");
+  });
+}
+
+hgros_status hgros_session_log(const hgros_session* session, int32_t level, const char* text) {
+  return c::Guarded(
+      [&] { c::Given(session, "session").session->log().Write(c::LevelOf(level), c::Text(text, "text")); });
+}
+
+hgros_status hgros_session_set_log_level(const hgros_session* session, int32_t level) {
+  return c::Guarded([&] { c::Given(session, "session").session->log().SetLevel(c::LevelOf(level)); });
+}
+
+hgros_status hgros_session_wait_for_subscribers(const hgros_session* session, const char* channel, size_t count,
+                                                int64_t timeout_ns) {
+  return c::Guarded([&] {
+    const std::string_view name = c::Text(channel, "channel");
+    if (c::Given(session, "session").session->WaitForSubscribers(name, count, c::Timeout(timeout_ns))) {
+      return hgros_status{HGROS_OK};
+    }
+    return c::Fail(HGROS_TIMED_OUT,
+                   "Channel " + std::string(name) + " has less than " + std::to_string(count) + " subscribers.");
+  });
+}
+
+hgros_status hgros_session_wait_for_publishers(const hgros_session* session, const char* channel, size_t count,
+                                               int64_t timeout_ns) {
+  return c::Guarded([&] {
+    const std::string_view name = c::Text(channel, "channel");
+    if (c::Given(session, "session").session->WaitForPublishers(name, count, c::Timeout(timeout_ns))) {
+      return hgros_status{HGROS_OK};
+    }
+    return c::Fail(HGROS_TIMED_OUT, "Less than " + std::to_string(count) + " other sessions publish on channel " +
+                                        std::string(name) + ".");
+  });
+}

@@ -1,0 +1,100 @@
+#include "hgros/c/status.h"
+
+#include <cstdlib>
+#include <new>
+
+#include "c/calling.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/params/param_error.hpp"
+
+namespace hgros::c {
+namespace {
+
+struct LastError {
+  std::string text;
+  bool no_memory = false;
+};
+thread_local LastError last_error;
+
+}  // namespace
+
+thread_local const InCallback* InCallback::innermost = nullptr;
+
+hgros_status Fail(hgros_status status, std::string_view sentence) noexcept {
+  try {
+    last_error.text = sentence;
+    last_error.no_memory = false;
+  } catch (const std::bad_alloc&) {
+    last_error.no_memory = true;
+  }
+  return status;
+}
+
+hgros_status FailHere() noexcept {
+  try {
+    throw;
+  } catch (const InvalidArgument& error) {
+    return Fail(HGROS_INVALID_ARGUMENT, error.what());
+  } catch (const TypeMismatch& error) {
+    return Fail(HGROS_TYPE_MISMATCH, error.what());
+  } catch (const ConfigError& error) {
+    return Fail(HGROS_CONFIG_ERROR, error.what());
+  } catch (const ParamError& error) {
+    return Fail(HGROS_REFUSED, error.what());
+  } catch (const std::bad_alloc&) {
+    return Fail(HGROS_NO_MEMORY, "There is no memory for it.");
+  } catch (const std::exception& error) {
+    return Fail(HGROS_ERROR, error.what());
+  } catch (...) {
+    return Fail(HGROS_ERROR, "An exception of an unknown type was thrown.");
+  }
+}
+
+void RefuseNull(const char* argument) { throw InvalidArgument(std::string(argument) + " is NULL."); }
+
+char* NewText(std::string_view text) {
+  auto* const copy = static_cast<char*>(std::malloc(text.size() + 1));
+  if (copy == nullptr) throw std::bad_alloc();
+  std::memcpy(copy, text.data(), text.size());
+  copy[text.size()] = '\0';
+  return copy;
+}
+
+}  // namespace hgros::c
+
+const char* hgros_last_error(void) {
+  const auto& last = hgros::c::last_error;
+  return last.no_memory ? "There is no memory for the sentence of the error." : last.text.c_str();
+}
+
+const char* hgros_version(void) { return HGROS_VERSION; }
+
+void hgros_text_free(char* text) { std::free(text); }
+
+const char* hgros_status_name(hgros_status status) {
+  switch (status) {
+    case HGROS_OK: return "ok";
+    case HGROS_INVALID_ARGUMENT: return "invalid argument";
+    case HGROS_ERROR: return "error";
+    case HGROS_TYPE_MISMATCH: return "type mismatch";
+    case HGROS_CONFIG_ERROR: return "config error";
+    case HGROS_CLOSED: return "closed";
+    case HGROS_FULL: return "full";
+    case HGROS_TIMED_OUT: return "timed out";
+    case HGROS_WOULD_DEADLOCK: return "would deadlock";
+    case HGROS_TOO_LARGE: return "too large";
+    case HGROS_NO_MEMORY: return "no memory";
+    case HGROS_NOT_FOUND: return "not found";
+    case HGROS_REFUSED: return "refused";
+    case HGROS_NO_SERVER: return "no server";
+    case HGROS_HANDLER_FAILED: return "handler failed";
+    case HGROS_SERVER_GONE: return "server gone";
+    case HGROS_CANCELLED: return "cancelled";
+    case HGROS_NOT_WRITABLE: return "not writable";
+    case HGROS_UNKNOWN_FRAME: return "unknown frame";
+    case HGROS_NOT_CONNECTED: return "not connected";
+    case HGROS_TOO_OLD: return "too old";
+    case HGROS_TOO_NEW: return "too new";
+    default: return "unknown";
+  }
+}

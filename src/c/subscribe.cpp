@@ -1,0 +1,219 @@
+#include "hgros/c/subscribe.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <limits>
+#include <system_error>
+
+#include "c/executors.hpp"
+#include "c/handles.hpp"
+#include "c/raw.hpp"
+#include "hgros/clock/time.hpp"
+#include "hgros/codec/run_time_type.hpp"
+#include "hgros/session/session_parts.hpp"
+
+namespace hgros::c {
+
+// Lets messages of the expected type pass, and counts the others. The session reports their publishers.
+//
+// Thread safety: all functions.
+class TypeGate {
+ public:
+  explicit TypeGate(const TypeInfo* expected) : expected_(expected) {}
+
+  [[nodiscard]] bool Passes(const std::shared_ptr<const MessageSchema>& schema) {
+    if (expected_ == nullptr || schema == expected_->run_time->schema) return true;
+    if (Fits(schema)) return true;
+    mismatched_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  [[nodiscard]] std::uint64_t mismatched() const noexcept { return mismatched_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::size_t kMostCompared = 64;
+  struct Compared {
+    std::shared_ptr<const MessageSchema> schema;
+    bool fits;
+  };
+
+  // Comparing takes long, and a publisher has one schema for all its messages.
+  bool Fits(const std::shared_ptr<const MessageSchema>& schema) {
+    const std::scoped_lock lock(mutex_);
+    const auto known = std::ranges::find(compared_, schema, &Compared::schema);
+    if (known != compared_.end()) return known->fits;
+    if (compared_.size() >= kMostCompared) compared_.erase(compared_.begin());
+    return compared_.emplace_back(Compared{schema, MisfitOf(*schema, *expected_).empty()}).fits;
+  }
+
+  const TypeInfo* const expected_;
+  std::mutex mutex_;
+  std::vector<Compared> compared_;
+  std::atomic<std::uint64_t> mismatched_{0};
+};
+
+namespace {
+
+using RawPtr = std::shared_ptr<const RawMessage>;
+
+// Where the callback of a queue puts the message that this thread takes.
+thread_local hgros_message** taken_here = nullptr;
+
+NodeOptions NodeOptionsOf(const hgros_subscribe_options& options, Executor executor) {
+  NodeOptions node{std::string(TextOrNone(options.name)), {}, std::move(executor)};
+  const auto bytes = options.keep_all_bytes == 0 ? Queue::kUnlimitedBytes : std::size_t{options.keep_all_bytes};
+  if (options.keep_all > 0 && options.keep_last > 0) {
+    throw InvalidArgument("Both keep_last and keep_all are set. Leave one of them 0.");
+  }
+  if (options.keep_all > 0) node.queue = Queue::KeepAll(std::size_t{options.keep_all}, bytes);
+  if (options.keep_last > 0) node.queue = Queue::KeepLast(std::size_t{options.keep_last});
+  return node;
+}
+
+}  // namespace
+}  // namespace hgros::c
+
+struct hgros_subscription {
+  std::shared_ptr<hgros::c::Life> life;
+  std::shared_ptr<hgros::c::TypeGate> gate;
+  hgros::Subscription subscription;
+  int descriptor = -1;  // A duplicate that lives as long as the handle.
+  std::atomic<bool> ended{false};
+
+  ~hgros_subscription() {
+    subscription.Reset();
+    if (descriptor >= 0) close(descriptor);
+  }
+};
+
+namespace hgros::c {
+namespace {
+
+template <class F>
+void Wire(hgros_subscription& made, Session& session, std::string_view channel, const hgros_subscribe_options& options,
+          Executor executor, F callback) {
+  const TypeInfo* const expected = options.schema == nullptr ? nullptr : &RunTimeType(*options.schema->schema);
+  made.gate = std::make_shared<TypeGate>(expected);
+  NodeOptions node = NodeOptionsOf(options, std::move(executor));
+  const Invoke invoke = options.concurrent != 0 ? Invoke::kConcurrent : Invoke::kSerial;
+  made.subscription = SessionParts(session).SubscribeRaw(
+      channel, expected == nullptr ? AnyType() : *expected, invoke,
+      EraseCallback<RawMessage>([gate = made.gate, callback](RawPtr raw, const MessageInfo& info) {
+        if (gate->Passes(raw->schema)) callback(std::move(raw), info);
+      }),
+      std::move(node), kFromC);
+}
+
+// False if the timeout came first.
+bool AwaitReadable(int descriptor, std::chrono::steady_clock::time_point deadline) {
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
+    const auto most = std::int64_t{std::numeric_limits<int>::max()};
+    pollfd one{descriptor, POLLIN, 0};
+    const int ready = poll(&one, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, most)));
+    if (ready > 0) return true;
+    if (ready < 0 && errno != EINTR) throw Error("poll() has failed: " + std::generic_category().message(errno) + ".");
+    if (ready == 0 && left <= 0) return false;
+  }
+}
+
+hgros_status Take(hgros_subscription& queue, std::int64_t timeout_ns, hgros_message*& taken) {
+  if (queue.descriptor < 0) throw InvalidArgument("The subscription has a callback. Open a queue to take messages.");
+  const auto deadline = DeadlineIn(Timeout(timeout_ns));
+  for (;;) {
+    hgros_message** const outer = std::exchange(taken_here, &taken);
+    const std::size_t run = queue.subscription.RunWaiting();
+    taken_here = outer;
+    if (taken != nullptr) return HGROS_OK;
+    if (run > 0) continue;  // A message of another type.
+    if (queue.ended.load(std::memory_order_acquire)) return Fail(HGROS_CLOSED, "The queue was closed before.");
+    if (queue.life->closed()) return Fail(HGROS_CLOSED, kSessionClosed);
+    if (timeout_ns == 0 || !AwaitReadable(queue.descriptor, deadline)) {
+      return Fail(HGROS_TIMED_OUT, "No message waits in the queue.");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hgros::c
+
+namespace c = hgros::c;
+
+hgros_status hgros_subscribe(hgros_session* session, const char* channel, const hgros_subscribe_options* options,
+                             hgros_message_callback callback, void* user, hgros_release release,
+                             hgros_subscription** subscription) {
+  return c::Creating(subscription, [&] {
+    const auto kept = std::make_shared<const c::User>(user, release);
+    hgros_session& on = c::Given(session, "session");
+    const std::string_view name = c::Text(channel, "channel");
+    if (callback == nullptr) c::RefuseNull("callback");
+    const hgros_subscribe_options chosen = c::OptionsFrom(options);
+    auto made = std::make_unique<hgros_subscription>();
+    made->life = on.life;
+    c::Wire(*made, *on.session, name, chosen, c::ExecutorOf(chosen.executor),
+            [callback, kept, life = on.life](c::RawPtr raw, const hgros::MessageInfo& info) {
+              const c::InCallback inside(life.get());
+              const hgros_message message(std::move(raw), info);
+              callback(kept->get(), &message);
+            });
+    return made;
+  });
+}
+
+hgros_status hgros_subscribe_queue(hgros_session* session, const char* channel, const hgros_subscribe_options* options,
+                                   hgros_subscription** subscription) {
+  return c::Creating(subscription, [&] {
+    hgros_session& on = c::Given(session, "session");
+    const std::string_view name = c::Text(channel, "channel");
+    auto made = std::make_unique<hgros_subscription>();
+    made->life = on.life;
+    c::Wire(*made, *on.session, name, c::OptionsFrom(options), hgros::Executor::Polled(),
+            [](c::RawPtr raw, const hgros::MessageInfo& info) {
+              *c::taken_here = c::NewLease(std::move(raw), info).release();
+            });
+    made->descriptor = fcntl(made->subscription.descriptor(), F_DUPFD_CLOEXEC, 0);
+    if (made->descriptor < 0) {
+      throw hgros::Error("The system has no descriptor for the queue: " + std::generic_category().message(errno) + ".",
+                         {}, "Raise the limit of open files (ulimit -n).");
+    }
+    return made;
+  });
+}
+
+hgros_status hgros_queue_take(hgros_subscription* queue, int64_t timeout_ns, hgros_message** message) {
+  if (message != nullptr) *message = nullptr;
+  return c::Guarded(
+      [&] { return c::Take(c::Given(queue, "queue"), timeout_ns, c::Given(message, "the place for the result")); });
+}
+
+int32_t hgros_queue_descriptor(const hgros_subscription* queue) { return queue == nullptr ? -1 : queue->descriptor; }
+
+hgros_status hgros_subscription_get_stats(const hgros_subscription* subscription, hgros_subscription_stats* stats) {
+  return c::Guarded([&] {
+    const hgros_subscription& of = c::Given(subscription, "subscription");
+    const hgros::NodeSnapshot now = of.subscription.stats();
+    hgros_subscription_stats filled{};
+    filled.received = now.received;
+    filled.dropped = now.dropped;
+    filled.run = now.run;
+    filled.queued = now.queued;
+    filled.mismatched = of.gate->mismatched();
+    filled.queue_wait_p50_ns = now.queue_wait.Quantile(0.5);
+    filled.queue_wait_p99_ns = now.queue_wait.Quantile(0.99);
+    c::FillIn(stats, filled);
+  });
+}
+
+void hgros_subscription_end(hgros_subscription* subscription) {
+  if (subscription == nullptr) return;
+  subscription->ended.store(true, std::memory_order_release);
+  (void)c::Guarded([&] { subscription->subscription.Reset(); });
+}
+
+void hgros_subscription_close(hgros_subscription* subscription) {
+  hgros_subscription_end(subscription);
+  delete subscription;
+}

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hgros/hgros.h"
+#include "support/await.hpp"
+
+namespace hgros::test {
+
+inline std::string LastError() { return hgros_last_error(); }
+
+/// Calls the function that ends a handle.
+template <auto End>
+struct Ends {
+  template <class T>
+  void operator()(T* handle) const {
+    (void)End(handle);
+  }
+};
+using SessionHandle = std::unique_ptr<hgros_session, Ends<hgros_session_close>>;
+using SchemaHandle = std::unique_ptr<hgros_schema, Ends<hgros_schema_free>>;
+using MessageHandle = std::unique_ptr<hgros_message, Ends<hgros_message_free>>;
+using PublisherHandle = std::unique_ptr<hgros_publisher, Ends<hgros_publisher_close>>;
+using SubscriptionHandle = std::unique_ptr<hgros_subscription, Ends<hgros_subscription_close>>;
+using ServiceHandle = std::unique_ptr<hgros_service, Ends<hgros_service_close>>;
+using WatchHandle = std::unique_ptr<hgros_watch, Ends<hgros_watch_close>>;
+
+/// Lines of a session's log.
+class LogLines {
+ public:
+  static void Add(void* user, int32_t /*level*/, const char* text) {
+    auto& self = *static_cast<LogLines*>(user);
+    const std::scoped_lock lock(self.mutex_);
+    self.lines_.emplace_back(text);
+  }
+  [[nodiscard]] bool Contain(std::string_view part) const {
+    const std::scoped_lock lock(mutex_);
+    for (const std::string& line : lines_) {
+      if (line.find(part) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
+/// From now on sessions are in a domain that no other test uses. Returns their configuration.
+inline std::string DomainYaml() {
+  static int number = 0;
+  setenv("HGROS_DOMAIN", ("c-test-" + std::to_string(getpid()) + "-" + std::to_string(++number)).c_str(), 1);
+  return "data_graph: {threads: 2}";
+}
+
+inline SessionHandle Open(const std::string& yaml, LogLines& log, const char* name = "robot") {
+  hgros_session_options options{};
+  options.size = sizeof options;
+  options.name = name;
+  options.log = &LogLines::Add;
+  options.log_user = &log;
+  hgros_session* session = nullptr;
+  EXPECT_EQ(hgros_session_open(yaml.c_str(), &options, &session), HGROS_OK) << LastError();
+  return SessionHandle(session);
+}
+
+inline SchemaHandle TextSchema(const char* name = "text") {
+  hgros_schema* schema = nullptr;
+  EXPECT_EQ(hgros_schema_create(name, HGROS_ENCODING_CUSTOM, 0, nullptr, 0, &schema), HGROS_OK) << LastError();
+  return SchemaHandle(schema);
+}
+
+inline PublisherHandle Publisher(const SessionHandle& session, const char* channel, const SchemaHandle& schema,
+                                 std::uint64_t latched = 0) {
+  hgros_publish_options options{};
+  options.size = sizeof options;
+  options.latched = latched;
+  hgros_publisher* publisher = nullptr;
+  EXPECT_EQ(hgros_publisher_open(session.get(), channel, schema.get(), &options, &publisher), HGROS_OK) << LastError();
+  return PublisherHandle(publisher);
+}
+
+inline hgros_status Publish(const PublisherHandle& publisher, std::string_view text) {
+  return hgros_publish(publisher.get(), text.data(), text.size());
+}
+
+inline SubscriptionHandle Queue(const SessionHandle& session, const char* channel, std::uint64_t keep_all = 0,
+                                const hgros_schema* schema = nullptr) {
+  hgros_subscribe_options options{};
+  options.size = sizeof options;
+  options.keep_all = keep_all;
+  options.schema = schema;
+  hgros_subscription* queue = nullptr;
+  EXPECT_EQ(hgros_subscribe_queue(session.get(), channel, &options, &queue), HGROS_OK) << LastError();
+  return SubscriptionHandle(queue);
+}
+
+inline std::string TextOf(const hgros_message* message) {
+  std::size_t size = 0;
+  const void* const data = hgros_message_data(message, &size);
+  return {static_cast<const char*>(data), size};
+}
+
+/// The next message as text, or the name of the status.
+inline std::string Take(const SubscriptionHandle& queue, std::int64_t timeout_ns = std::int64_t{20'000'000'000}) {
+  hgros_message* message = nullptr;
+  const hgros_status status = hgros_queue_take(queue.get(), timeout_ns, &message);
+  const MessageHandle owned(message);
+  return status == HGROS_OK ? TextOf(message) : "<" + std::string(hgros_status_name(status)) + ">";
+}
+
+/// Texts that a callback gets.
+class Texts {
+ public:
+  static void Add(void* user, const hgros_message* message) { static_cast<Texts*>(user)->Add(TextOf(message)); }
+  void Add(std::string text) {
+    const std::scoped_lock lock(mutex_);
+    texts_.push_back(std::move(text));
+  }
+  [[nodiscard]] std::vector<std::string> all() const {
+    const std::scoped_lock lock(mutex_);
+    return texts_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> texts_;
+};
+
+}  // namespace hgros::test

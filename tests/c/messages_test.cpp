@@ -1,0 +1,291 @@
+#include <poll.h>
+
+#include <cstring>
+#include <thread>
+
+#include "c/c_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::LastError;
+using test::LogLines;
+using test::Publish;
+using test::Publisher;
+using test::Take;
+using test::Texts;
+
+class CMessages : public testing::Test {
+ protected:
+  LogLines log;
+  std::string yaml = test::DomainYaml();
+  test::SessionHandle session = test::Open(yaml, log);
+  test::SchemaHandle text = test::TextSchema();
+};
+
+bool IsReadable(const test::SubscriptionHandle& queue) {
+  pollfd one{hgros_queue_descriptor(queue.get()), POLLIN, 0};
+  return poll(&one, 1, 0) == 1;
+}
+
+hgros_subscription_stats StatsOf(const test::SubscriptionHandle& subscription) {
+  hgros_subscription_stats stats{};
+  stats.size = sizeof stats;
+  EXPECT_EQ(hgros_subscription_get_stats(subscription.get(), &stats), HGROS_OK);
+  return stats;
+}
+
+TEST_F(CMessages, CallbackGetsBytesSchemaAndSender) {
+  struct Seen {
+    std::atomic<int> count{0};
+    std::string text;
+    std::string type;
+    hgros_message_info info{};
+  } seen;
+  hgros_subscription* subscription = nullptr;
+  ASSERT_EQ(hgros_subscribe(
+                session.get(), "words", nullptr,
+                [](void* user, const hgros_message* message) {
+                  auto& into = *static_cast<Seen*>(user);
+                  into.text = test::TextOf(message);
+                  into.type = hgros_schema_type_name(hgros_message_schema(message));
+                  into.info.size = sizeof into.info;
+                  EXPECT_EQ(hgros_message_get_info(message, &into.info), HGROS_OK);
+                  ++into.count;
+                },
+                &seen, nullptr, &subscription),
+            HGROS_OK);
+  const test::SubscriptionHandle owned(subscription);
+  const auto publisher = Publisher(session, "words", text);
+  ASSERT_EQ(Publish(publisher, "hello"), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return seen.count == 1; }));
+  EXPECT_EQ(seen.text, "hello");
+  EXPECT_EQ(seen.type, "text");
+  EXPECT_EQ(seen.info.publisher, hgros_session_id(session.get()));
+  EXPECT_EQ(seen.info.sequence, 1U);
+  EXPECT_EQ(seen.info.remote, 0);
+  EXPECT_NE(seen.info.key, 0U);
+}
+
+TEST_F(CMessages, QueueIsTakenInOrderAndItsDescriptorSaysWhen) {
+  const auto queue = test::Queue(session, "words");
+  const auto publisher = Publisher(session, "words", text);
+  EXPECT_FALSE(IsReadable(queue));
+  EXPECT_EQ(Take(queue, 0), "<timed out>");
+  EXPECT_EQ(Publish(publisher, "a"), HGROS_OK);
+  EXPECT_EQ(Publish(publisher, "b"), HGROS_OK);
+  EXPECT_TRUE(IsReadable(queue));
+  EXPECT_EQ(Take(queue, 0), "a");
+  EXPECT_EQ(Take(queue, 0), "b");
+  EXPECT_FALSE(IsReadable(queue));
+  EXPECT_EQ(StatsOf(queue).run, 2U);
+}
+
+TEST_F(CMessages, TakeWaitsForAMessageOfAnotherThread) {
+  const auto queue = test::Queue(session, "words");
+  const auto publisher = Publisher(session, "words", text);
+  std::thread later([&] {
+    test::Linger(std::chrono::milliseconds(20));
+    EXPECT_EQ(Publish(publisher, "late"), HGROS_OK);
+  });
+  EXPECT_EQ(Take(queue, -1), "late");
+  later.join();
+  EXPECT_EQ(Take(queue, 1'000'000), "<timed out>");
+}
+
+TEST_F(CMessages, KeepLastDropsTheOldestAndCounts) {
+  hgros_subscribe_options options{};
+  options.size = sizeof options;
+  options.keep_last = 2;
+  hgros_subscription* subscription = nullptr;
+  ASSERT_EQ(hgros_subscribe_queue(session.get(), "words", &options, &subscription), HGROS_OK);
+  const test::SubscriptionHandle queue(subscription);
+  const auto publisher = Publisher(session, "words", text);
+  for (const char* word : {"a", "b", "c", "d"}) EXPECT_EQ(Publish(publisher, word), HGROS_OK);
+  EXPECT_EQ(Take(queue, 0), "c");
+  EXPECT_EQ(Take(queue, 0), "d");
+  EXPECT_EQ(StatsOf(queue).dropped, 2U);
+}
+
+TEST_F(CMessages, LosslessQueueMakesThePublisherWaitAndLosesNothing) {
+  const auto queue = test::Queue(session, "words", 2);
+  const auto publisher = Publisher(session, "words", text);
+  EXPECT_EQ(Publish(publisher, "0"), HGROS_OK);
+  EXPECT_EQ(Publish(publisher, "1"), HGROS_OK);
+  EXPECT_EQ(Publish(publisher, "2"), HGROS_FULL);
+  EXPECT_NE(LastError().find("words"), std::string::npos) << LastError();
+  EXPECT_EQ(hgros_publish_wait(publisher.get(), "2", 1, 1'000'000), HGROS_TIMED_OUT);
+  std::thread publishing([&] {
+    for (char digit = '2'; digit <= '9'; ++digit) {
+      EXPECT_EQ(hgros_publish_wait(publisher.get(), &digit, 1, -1), HGROS_OK);
+    }
+  });
+  for (char digit = '0'; digit <= '9'; ++digit) EXPECT_EQ(Take(queue), std::string(1, digit));
+  publishing.join();
+}
+
+TEST_F(CMessages, LatchedMessagesReachALateQueue) {
+  const auto publisher = Publisher(session, "map", text, 2);
+  for (const char* word : {"old", "newer", "newest"}) EXPECT_EQ(Publish(publisher, word), HGROS_OK);
+  const auto queue = test::Queue(session, "map");
+  EXPECT_EQ(Take(queue, 0), "newer");
+  EXPECT_EQ(Take(queue, 0), "newest");
+}
+
+TEST_F(CMessages, KeptMessageOutlivesCallbackSubscriptionAndSession) {
+  const std::uint64_t before = hgros_message_leases();
+  std::atomic<hgros_message*> kept{nullptr};
+  hgros_subscription* subscription = nullptr;
+  ASSERT_EQ(hgros_subscribe(
+                session.get(), "words", nullptr,
+                [](void* user, const hgros_message* message) {
+                  hgros_message* mine = nullptr;
+                  EXPECT_EQ(hgros_message_keep(message, &mine), HGROS_OK);
+                  static_cast<std::atomic<hgros_message*>*>(user)->store(mine);
+                },
+                &kept, nullptr, &subscription),
+            HGROS_OK);
+  EXPECT_EQ(Publish(Publisher(session, "words", text), "kept"), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return kept.load() != nullptr; }));
+  hgros_subscription_close(subscription);
+  session.reset();
+  EXPECT_EQ(hgros_message_leases(), before + 1);
+  EXPECT_EQ(test::TextOf(kept), "kept");
+  hgros_message_free(kept);
+  EXPECT_EQ(hgros_message_leases(), before);
+}
+
+TEST_F(CMessages, LoanIsFilledPublishedOnceAndThenClosed) {
+  const auto publisher = Publisher(session, "words", text);
+  const auto queue = test::Queue(session, "words");
+  hgros_loan* loan = nullptr;
+  ASSERT_EQ(hgros_loan_open(publisher.get(), 5, &loan), HGROS_OK);
+  std::size_t size = 0;
+  std::memcpy(hgros_loan_data(loan, &size), "loans", 5);
+  EXPECT_EQ(size, 5U);
+  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
+  EXPECT_EQ(hgros_loan_data(loan, &size), nullptr) << "nobody may write a published message";
+  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_INVALID_ARGUMENT);
+  hgros_loan_free(loan);
+  EXPECT_EQ(Take(queue, 0), "loans");
+}
+
+TEST_F(CMessages, RefusedLoanCanBePublishedAgain) {
+  const auto publisher = Publisher(session, "words", text);
+  const auto queue = test::Queue(session, "words", 1);
+  EXPECT_EQ(Publish(publisher, "first"), HGROS_OK);
+  hgros_loan* loan = nullptr;
+  ASSERT_EQ(hgros_loan_open(publisher.get(), 2, &loan), HGROS_OK);
+  std::memcpy(hgros_loan_data(loan, nullptr), "2.", 2);
+  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_FULL);
+  EXPECT_EQ(Take(queue, 0), "first");
+  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
+  hgros_loan_free(loan);
+  EXPECT_EQ(Take(queue, 0), "2.");
+}
+
+TEST_F(CMessages, BorrowedBytesAreReleasedOnceTheLastReaderIsDone) {
+  static const std::string bytes = "mine";
+  std::atomic<int> released{0};
+  const auto count = [](void* user) { ++*static_cast<std::atomic<int>*>(user); };
+  const auto publisher = Publisher(session, "words", text);
+  const auto queue = test::Queue(session, "words");
+  ASSERT_EQ(hgros_publish_borrowed(publisher.get(), bytes.data(), bytes.size(), count, &released, 0), HGROS_OK);
+  EXPECT_EQ(released, 0) << "the message waits in the queue";
+  hgros_message* message = nullptr;
+  ASSERT_EQ(hgros_queue_take(queue.get(), 0, &message), HGROS_OK);
+  EXPECT_EQ(hgros_message_data(message, nullptr), bytes.data()) << "not copied inside the process";
+  hgros_message_free(message);
+  EXPECT_EQ(released, 1);
+  EXPECT_EQ(hgros_publish_borrowed(nullptr, bytes.data(), bytes.size(), count, &released, 0), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(released, 2) << "also if it fails";
+}
+
+TEST_F(CMessages, AnotherTypeInThisSessionIsRefusedNamingBoth) {
+  const auto publisher = Publisher(session, "words", text);
+  const auto numbers = test::TextSchema("number");
+  hgros_publisher* second = nullptr;
+  EXPECT_EQ(hgros_publisher_open(session.get(), "words", numbers.get(), nullptr, &second), HGROS_TYPE_MISMATCH);
+  EXPECT_EQ(second, nullptr);
+  EXPECT_NE(LastError().find("number"), std::string::npos) << LastError();
+  EXPECT_NE(LastError().find("text"), std::string::npos) << LastError();
+  hgros_subscribe_options options{};
+  options.size = sizeof options;
+  options.schema = numbers.get();
+  hgros_subscription* queue = nullptr;
+  EXPECT_EQ(hgros_subscribe_queue(session.get(), "words", &options, &queue), HGROS_TYPE_MISMATCH);
+}
+
+TEST_F(CMessages, AnotherSessionsMessagesOfAnotherTypeAreCountedAndReported) {
+  const auto numbers = test::TextSchema("number");
+  const auto queue = test::Queue(session, "words", 0, numbers.get());
+  std::atomic<bool> told{false};
+  hgros_watch* watch = nullptr;
+  ASSERT_EQ(hgros_watch_peers(
+                session.get(),
+                [](void* user, int32_t event, const hgros_peer* peer, const char* channel, const char* reason) {
+                  if (event != HGROS_PEER_TYPE_MISMATCH) return;
+                  EXPECT_STREQ(channel, "words");
+                  EXPECT_STREQ(peer->process, "other");
+                  EXPECT_NE(std::string(reason).find("text"), std::string::npos) << reason;
+                  EXPECT_NE(std::string(reason).find("number"), std::string::npos) << reason;
+                  *static_cast<std::atomic<bool>*>(user) = true;
+                },
+                &told, nullptr, &watch),
+            HGROS_OK);
+  const test::WatchHandle watching(watch);
+  LogLines others_log;
+  const auto other = test::Open(yaml, others_log, "other");
+  const auto publisher = Publisher(other, "words", text);
+  ASSERT_TRUE(Await([&] {
+    EXPECT_EQ(Publish(publisher, "no number"), HGROS_OK);
+    EXPECT_EQ(Take(queue, 0), "<timed out>");
+    return StatsOf(queue).mismatched > 0 && told;
+  })) << StatsOf(queue).mismatched;
+  EXPECT_TRUE(Await([&] { return log.Contain("number") && log.Contain("text"); }));
+}
+
+TEST_F(CMessages, TypesOfTheLibraryAreKnownByTheirNames) {
+  hgros_schema* schema = nullptr;
+  ASSERT_EQ(hgros_schema_known("foxglove.Log", &schema), HGROS_OK) << LastError();
+  const test::SchemaHandle known(schema);
+  std::size_t size = 0;
+  ASSERT_NE(hgros_schema_descriptor_set(schema, &size), nullptr);
+  hgros_schema* made = nullptr;
+  ASSERT_EQ(hgros_schema_create("foxglove.Log", HGROS_ENCODING_PROTOBUF, 0,
+                                hgros_schema_descriptor_set(schema, nullptr), size, &made),
+            HGROS_OK);
+  const test::SchemaHandle same(made);
+  EXPECT_NE(hgros_schema_fingerprint(made), 0U);
+  EXPECT_EQ(hgros_schema_fingerprint(made), hgros_schema_fingerprint(schema));
+  EXPECT_EQ(hgros_schema_known("foxglove.Lof", &schema), HGROS_NOT_FOUND);
+  EXPECT_EQ(schema, nullptr);
+  EXPECT_EQ(hgros_schema_create("foxglove.Log", HGROS_ENCODING_PROTOBUF, 0, "junk", 4, &schema), HGROS_ERROR);
+}
+
+TEST_F(CMessages, FourMegabytesInALoanReachAnotherSessionWithoutACopy) {
+  constexpr std::size_t kBytes = 4 << 20;
+  LogLines others_log;
+  const auto other = test::Open(yaml, others_log, "other");
+  const auto queue = test::Queue(other, "images");
+  const auto publisher = Publisher(session, "images", text);
+  ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "images", 1, -1), HGROS_OK);
+  hgros_loan* loan = nullptr;
+  ASSERT_EQ(hgros_loan_open(publisher.get(), kBytes, &loan), HGROS_OK);
+  std::memset(hgros_loan_data(loan, nullptr), 'x', kBytes);
+  ASSERT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
+  hgros_loan_free(loan);
+  hgros_message* message = nullptr;
+  ASSERT_EQ(hgros_queue_take(queue.get(), -1, &message), HGROS_OK);
+  const test::MessageHandle owned(message);
+  EXPECT_EQ(test::TextOf(message), std::string(kBytes, 'x'));
+  hgros_message* snapshot = nullptr;
+  ASSERT_EQ(hgros_session_snapshot(session.get(), &snapshot), HGROS_OK);
+  const test::MessageHandle counters(snapshot);
+  EXPECT_STREQ(hgros_schema_type_name(hgros_message_schema(snapshot)), "hgros.Snapshot");
+  EXPECT_NE(test::TextOf(snapshot).find("images"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hgros

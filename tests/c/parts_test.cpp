@@ -1,0 +1,262 @@
+// Parameters, transforms, clocks and timers.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "c/c_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::LastError;
+using test::LogLines;
+
+using ParamsHandle = std::unique_ptr<hgros_params, test::Ends<hgros_params_close>>;
+using TransformsHandle = std::unique_ptr<hgros_transforms, test::Ends<hgros_transforms_close>>;
+using ClockHandle = std::unique_ptr<hgros_simulated_clock, test::Ends<hgros_simulated_clock_close>>;
+using TimerHandle = std::unique_ptr<hgros_timer, test::Ends<hgros_timer_close>>;
+
+class CParts : public testing::Test {
+ protected:
+  static ParamsHandle Params(const test::SessionHandle& session, const std::vector<std::string>& files = {}) {
+    std::vector<const char*> paths;
+    for (const std::string& file : files) paths.push_back(file.c_str());
+    hgros_params* params = nullptr;
+    EXPECT_EQ(hgros_params_open(session.get(), paths.data(), paths.size(), &params), HGROS_OK) << LastError();
+    return ParamsHandle(params);
+  }
+  static void DeclareSpeed(const ParamsHandle& params) {
+    hgros_param_info info{};
+    info.size = sizeof info;
+    info.description = "Speed of the base";
+    info.unit = "m/s";
+    info.has_least = info.has_most = 1;
+    info.most = 2;
+    EXPECT_EQ(hgros_params_declare(params.get(), "speed", HGROS_PARAM_NUMBER, "0.5", &info), HGROS_OK) << LastError();
+  }
+  static double Speed(const ParamsHandle& params) {
+    double speed = -1;
+    EXPECT_EQ(hgros_params_get_number(params.get(), "speed", &speed), HGROS_OK) << LastError();
+    return speed;
+  }
+
+  std::string yaml = test::DomainYaml();
+  LogLines log;
+  LogLines others_log;
+};
+
+TEST_F(CParts, ParametersHaveKindsAndBounds) {
+  const auto session = test::Open(yaml, log);
+  const auto params = Params(session);
+  DeclareSpeed(params);
+  EXPECT_EQ(Speed(params), 0.5);
+  EXPECT_EQ(hgros_params_set_number(params.get(), "speed", 1.5), HGROS_OK);
+  EXPECT_EQ(Speed(params), 1.5);
+  EXPECT_EQ(hgros_params_set_number(params.get(), "speed", 3), HGROS_REFUSED);
+  EXPECT_NE(LastError().find("speed"), std::string::npos) << LastError();
+  EXPECT_EQ(hgros_params_set_text(params.get(), "speed", "fast"), HGROS_REFUSED);
+  EXPECT_EQ(Speed(params), 1.5);
+  double missing = 7;
+  EXPECT_EQ(hgros_params_get_number(params.get(), "sped", &missing), HGROS_REFUSED);
+  EXPECT_EQ(missing, 0);
+  EXPECT_EQ(hgros_params_declare(params.get(), "x", 99, "1", nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_params_remove(params.get(), "speed"), HGROS_OK);
+  EXPECT_EQ(Speed(params), 0.5) << "back to the fallback";
+}
+
+TEST_F(CParts, ParametersOfAnyShapeAreYaml) {
+  const auto params = Params(nullptr);
+  ASSERT_EQ(hgros_params_set(params.get(), "arm", "{joints: [1, 2.5], name: \"left\", on: true}"), HGROS_OK);
+  EXPECT_EQ(hgros_params_set_integer(params.get(), "arm.count", 3), HGROS_OK);
+  EXPECT_EQ(hgros_params_set_bool(params.get(), "arm.on", 0), HGROS_OK);
+  char* text = nullptr;
+  ASSERT_EQ(hgros_params_get(params.get(), "arm.joints", &text), HGROS_OK);
+  EXPECT_STREQ(text, "[1, 2.5]");
+  hgros_text_free(text);
+  ASSERT_EQ(hgros_params_get_text(params.get(), "arm.name", &text), HGROS_OK);
+  EXPECT_STREQ(text, "left");
+  hgros_text_free(text);
+  std::int64_t count = 0;
+  EXPECT_EQ(hgros_params_get_integer(params.get(), "arm.count", &count), HGROS_OK);
+  EXPECT_EQ(count, 3);
+  std::int32_t on = 7;
+  EXPECT_EQ(hgros_params_get_bool(params.get(), "arm.on", &on), HGROS_OK);
+  EXPECT_EQ(on, 0);
+  EXPECT_EQ(hgros_params_set(params.get(), "arm", "{joints: ["), HGROS_CONFIG_ERROR);
+  EXPECT_EQ(hgros_params_get(params.get(), "leg", &text), HGROS_REFUSED);
+  EXPECT_EQ(text, nullptr);
+}
+
+TEST_F(CParts, ParametersAreReadFromFilesAndSaved) {
+  const auto file = std::filesystem::temp_directory_path() / ("c_params_" + std::to_string(getpid()) + ".yaml");
+  std::ofstream(file) << "speed: 1.25  # of the base\n";
+  {
+    const auto params = Params(nullptr, {file});
+    EXPECT_EQ(Speed(params), 1.25);
+    ASSERT_EQ(hgros_params_set_number(params.get(), "speed", 0.75), HGROS_OK);
+    ASSERT_EQ(hgros_params_save(params.get()), HGROS_OK) << LastError();
+  }
+  EXPECT_EQ(Speed(Params(nullptr, {file})), 0.75);
+  std::filesystem::remove(file);
+  hgros_params* none = nullptr;
+  const std::string missing = file;
+  const char* const files[] = {missing.c_str()};
+  EXPECT_EQ(hgros_params_open(nullptr, files, 1, &none), HGROS_CONFIG_ERROR) << LastError();
+}
+
+struct Changes {
+  std::mutex mutex;
+  std::vector<std::string> seen;
+  hgros_params* params = nullptr;
+  static void Note(void* user, const char* path, const char* yaml) {
+    auto& self = *static_cast<Changes*>(user);
+    EXPECT_EQ(hgros_params_close(self.params), HGROS_WOULD_DEADLOCK);
+    double speed = 0;
+    EXPECT_EQ(hgros_params_get_number(self.params, "speed", &speed), HGROS_OK) << "may be read in a callback";
+    const std::scoped_lock lock(self.mutex);
+    self.seen.push_back(std::string(path) + "=" + (yaml == nullptr ? "nothing" : yaml));
+  }
+  bool Saw(const std::string& one) {
+    const std::scoped_lock lock(mutex);
+    return std::find(seen.begin(), seen.end(), one) != seen.end();
+  }
+};
+
+TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
+  const auto session = test::Open(yaml, log, "base");
+  const auto other = test::Open(yaml, others_log, "desk");
+  const auto own = Params(session);
+  DeclareSpeed(own);
+  hgros_params* opened = nullptr;
+  ASSERT_EQ(hgros_params_of(other.get(), "base", std::int64_t{20'000'000'000}, &opened), HGROS_OK);
+  const ParamsHandle remote(opened);
+  EXPECT_EQ(Speed(remote), 0.5);
+  EXPECT_EQ(hgros_params_set_number(remote.get(), "speed", 5), HGROS_REFUSED);
+  EXPECT_EQ(hgros_params_set_number(remote.get(), "spee", 1), HGROS_REFUSED) << "it must exist";
+  Changes here;
+  here.params = own.get();
+  hgros_watch* watch = nullptr;
+  ASSERT_EQ(hgros_params_watch(own.get(), "speed", &Changes::Note, &here, nullptr, &watch), HGROS_OK);
+  const test::WatchHandle watching(watch);
+  ASSERT_EQ(hgros_params_set_number(remote.get(), "speed", 1), HGROS_OK) << LastError();
+  EXPECT_EQ(Speed(own), 1);
+  EXPECT_TRUE(Await([&] { return here.Saw("speed=1.0"); })) << here.seen.at(0);
+  EXPECT_EQ(hgros_params_save(remote.get()), HGROS_ERROR);
+  EXPECT_EQ(hgros_params_declare(remote.get(), "x", HGROS_PARAM_BOOL, "true", nullptr), HGROS_ERROR);
+}
+
+hgros_transform Pose(double x, std::int64_t stamp_ns) { return {{x, 0, 0}, {0, 0, 0, 1}, stamp_ns}; }
+
+TEST_F(CParts, TransformsAreLookedUpByNameOrSayWhyNot) {
+  const auto session = test::Open(yaml, log);
+  hgros_transforms* opened = nullptr;
+  ASSERT_EQ(hgros_transforms_open(session.get(), &opened), HGROS_OK);
+  const TransformsHandle transforms(opened);
+  EXPECT_EQ(hgros_transforms_open(session.get(), &opened), HGROS_ERROR) << "one at a time";
+  const std::int64_t now = hgros_wall_now();
+  const hgros_transform laser = {{0, 0, 1}, {0, 0, std::sqrt(0.5), std::sqrt(0.5)}, 0};
+  ASSERT_EQ(hgros_transforms_set_static(transforms.get(), "base", "laser", &laser), HGROS_OK) << LastError();
+  const hgros_transform first = Pose(1, now);
+  const hgros_transform second = Pose(3, now + 1000);
+  ASSERT_EQ(hgros_transforms_set(transforms.get(), "map", "base", &first), HGROS_OK) << LastError();
+  ASSERT_EQ(hgros_transforms_set(transforms.get(), "map", "base", &second), HGROS_OK) << LastError();
+  hgros_transform found{};
+  ASSERT_EQ(hgros_transforms_lookup_at(transforms.get(), "map", "laser", now + 500, &found), HGROS_OK) << LastError();
+  EXPECT_NEAR(found.translation[0], 2, 1e-9);
+  EXPECT_NEAR(found.translation[2], 1, 1e-9);
+  EXPECT_NEAR(found.rotation[3], std::sqrt(0.5), 1e-9);
+  EXPECT_EQ(found.stamp_ns, now + 500);
+  ASSERT_EQ(hgros_transforms_lookup(transforms.get(), "map", "laser", &found), HGROS_OK);
+  EXPECT_NEAR(found.translation[0], 3, 1e-9);
+  EXPECT_EQ(hgros_transforms_lookup(transforms.get(), "map", "lasre", &found), HGROS_UNKNOWN_FRAME);
+  EXPECT_NE(LastError().find("laser"), std::string::npos) << "names the nearest frame: " << LastError();
+  EXPECT_EQ(hgros_transforms_lookup_at(transforms.get(), "map", "base", now + 2000, &found), HGROS_TOO_NEW);
+  EXPECT_EQ(hgros_transforms_lookup_at(transforms.get(), "map", "base", now - 2000, &found), HGROS_TOO_OLD);
+  EXPECT_EQ(hgros_transforms_wait(transforms.get(), "map", "base", now + 2000, 1'000'000, &found), HGROS_TIMED_OUT);
+  const hgros_transform bent = {{0, 0, 0}, {1, 1, 1, 1}, now};
+  EXPECT_EQ(hgros_transforms_set(transforms.get(), "map", "base", &bent), HGROS_REFUSED);
+  EXPECT_NE(LastError().find("base"), std::string::npos) << LastError();
+}
+
+TEST_F(CParts, TransformsReachOtherSessions) {
+  const auto session = test::Open(yaml, log);
+  const auto other = test::Open(yaml, others_log, "other");
+  hgros_transforms* opened = nullptr;
+  ASSERT_EQ(hgros_transforms_open(session.get(), &opened), HGROS_OK);
+  const TransformsHandle sends(opened);
+  ASSERT_EQ(hgros_transforms_open(other.get(), &opened), HGROS_OK);
+  const TransformsHandle receives(opened);
+  const hgros_transform pose = Pose(2, 0);
+  ASSERT_EQ(hgros_transforms_set_static(sends.get(), "map", "dock", &pose), HGROS_OK);
+  hgros_transform found{};
+  ASSERT_EQ(hgros_transforms_wait(receives.get(), "map", "dock", 1, -1, &found), HGROS_OK) << LastError();
+  EXPECT_EQ(found.translation[0], 2);
+}
+
+TEST_F(CParts, TimersFollowASimulatedClock) {
+  const auto session = test::Open(yaml + "\ntime: simulated\n", log);
+  hgros_simulated_clock* published = nullptr;
+  ASSERT_EQ(hgros_simulated_clock_open(session.get(), 1000, 1, &published), HGROS_OK) << LastError();
+  const ClockHandle clock(published);
+  ASSERT_TRUE(Await([&] { return hgros_session_now(session.get()) == 1000; }));
+  struct Turns {
+    std::atomic<int> count{0};
+    std::atomic<std::int64_t> planned{0};
+    std::atomic<std::uint64_t> missed{0};
+  } turns;
+  hgros_timer* opened = nullptr;
+  const auto note = [](void* user, const hgros_tick* tick) {
+    auto& of = *static_cast<Turns*>(user);
+    of.planned = tick->planned_ns;
+    of.missed = tick->missed;
+    ++of.count;
+  };
+  EXPECT_EQ(hgros_timer_open(session.get(), "t", 0, nullptr, note, &turns, nullptr, &opened), HGROS_ERROR);
+  ASSERT_EQ(hgros_timer_open(session.get(), "t", 500, nullptr, note, &turns, nullptr, &opened), HGROS_OK);
+  const TimerHandle timer(opened);
+  std::thread sleeping([&] { EXPECT_EQ(hgros_session_sleep_until(session.get(), 1500), HGROS_OK); });
+  ASSERT_EQ(hgros_simulated_clock_step(clock.get(), 500), HGROS_OK);
+  sleeping.join();
+  ASSERT_TRUE(Await([&] { return turns.count == 1; }));
+  EXPECT_EQ(turns.planned, 1500);
+  ASSERT_EQ(hgros_simulated_clock_step(clock.get(), 1500), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return turns.count == 2; }));
+  EXPECT_EQ(turns.planned, 3000);
+  EXPECT_EQ(turns.missed, 2U);
+  EXPECT_EQ(hgros_simulated_clock_now(clock.get()), 3000);
+  EXPECT_EQ(hgros_simulated_clock_step(clock.get(), -1), HGROS_ERROR);
+  EXPECT_EQ(hgros_simulated_clock_set_rate(clock.get(), 0), HGROS_ERROR);
+  EXPECT_EQ(hgros_simulated_clock_set_rate(clock.get(), 1000), HGROS_OK);
+  EXPECT_EQ(hgros_simulated_clock_resume(clock.get()), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return turns.count > 2; }));
+  EXPECT_EQ(hgros_simulated_clock_pause(clock.get()), HGROS_OK);
+  EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), 50), HGROS_OK);
+  EXPECT_TRUE(Await([&] { return hgros_session_now(session.get()) == 50; }));
+}
+
+TEST_F(CParts, TimerMayBeClosedInItsOwnCallback) {
+  const auto session = test::Open(yaml, log);
+  struct Turning {
+    hgros_timer* timer = nullptr;
+    test::Door opened;
+    std::atomic<int> released{0};
+  } turning;
+  hgros_timer* opened = nullptr;
+  ASSERT_EQ(hgros_timer_open(
+                session.get(), "once", 1'000'000, nullptr,
+                [](void* user, const hgros_tick*) {
+                  auto& of = *static_cast<Turning*>(user);
+                  of.opened.Pass();
+                  hgros_timer_close(of.timer);
+                },
+                &turning, [](void* user) { ++static_cast<Turning*>(user)->released; }, &opened),
+            HGROS_OK);
+  turning.timer = opened;
+  turning.opened.Open();
+  EXPECT_TRUE(Await([&] { return turning.released == 1; }));
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,168 @@
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstring>
+
+#include "c/c_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::LastError;
+using test::LogLines;
+using test::Publish;
+using test::Publisher;
+
+constexpr std::int64_t kPatienceNs = std::chrono::nanoseconds(test::kPatience).count();
+
+// A program in C99 that uses the library, as peer.c says.
+class Peer {
+ public:
+  explicit Peer(std::vector<std::string> arguments) {
+    int ends[2];
+    EXPECT_EQ(pipe(ends), 0);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+    posix_spawn_file_actions_addclose(&actions, ends[0]);
+    arguments.insert(arguments.begin(), HGROS_C_PEER);
+    std::vector<char*> texts;
+    for (std::string& one : arguments) texts.push_back(one.data());
+    texts.push_back(nullptr);
+    EXPECT_EQ(posix_spawn(&pid_, HGROS_C_PEER, &actions, nullptr, texts.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    output_ = fdopen(ends[0], "r");
+    EXPECT_EQ(Line(), "ready");
+  }
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  ~Peer() {
+    Kill();
+    (void)fclose(output_);
+  }
+
+  std::string Line() {
+    char line[256];
+    if (fgets(line, sizeof line, output_) == nullptr) return "<end>";
+    return std::string(line, std::strcspn(line, "\n"));
+  }
+  void Kill() {
+    if (pid_ == 0) return;
+    (void)kill(pid_, SIGKILL);
+    (void)waitpid(pid_, nullptr, 0);
+    pid_ = 0;
+  }
+  int Exit() {
+    int status = -1;
+    EXPECT_EQ(waitpid(pid_, &status, 0), pid_);
+    pid_ = 0;
+    return status;
+  }
+
+ private:
+  pid_t pid_ = 0;
+  FILE* output_ = nullptr;
+};
+
+class CProcesses : public testing::Test {
+ protected:
+  LogLines log;
+  std::string yaml = test::DomainYaml();
+  test::SessionHandle session = test::Open(yaml, log);
+  test::SchemaHandle text = test::TextSchema();
+};
+
+TEST_F(CProcesses, SlowLosslessTakerHoldsThePublisherBackAndMissesNothing) {
+  constexpr int kMessages = 60;
+  const auto publisher = Publisher(session, "words", text);
+  Peer peer({"take", "words", std::to_string(kMessages), "2"});
+  ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "words", 1, kPatienceNs), HGROS_OK);
+  int full = 0;
+  for (int i = 0; i < kMessages; ++i) {
+    const std::string word = std::to_string(i);
+    hgros_status status = Publish(publisher, word);
+    if (status == HGROS_FULL) {
+      ++full;
+      status = hgros_publish_wait(publisher.get(), word.data(), word.size(), kPatienceNs);
+    }
+    ASSERT_EQ(status, HGROS_OK) << LastError();
+  }
+  EXPECT_GT(full, 0) << "it takes one message per millisecond";
+  for (int i = 0; i < kMessages; ++i) ASSERT_EQ(peer.Line(), std::to_string(i));
+  EXPECT_EQ(peer.Exit(), 0);
+}
+
+TEST_F(CProcesses, LatchedMessageReachesAProcessThatStartsLater) {
+  const auto publisher = Publisher(session, "map", text, 1);
+  ASSERT_EQ(Publish(publisher, "old"), HGROS_OK);
+  ASSERT_EQ(Publish(publisher, "latest"), HGROS_OK);
+  Peer peer({"take", "map", "1", "4"});
+  EXPECT_EQ(peer.Line(), "latest");
+  EXPECT_EQ(peer.Exit(), 0);
+}
+
+TEST_F(CProcesses, KilledLosslessSubscriberFreesThePublisher) {
+  const auto publisher = Publisher(session, "words", text);
+  std::atomic<bool> gone{false};
+  hgros_watch* watch = nullptr;
+  ASSERT_EQ(hgros_watch_peers(
+                session.get(),
+                [](void* user, int32_t event, const hgros_peer*, const char*, const char*) {
+                  if (event == HGROS_PEER_GONE) *static_cast<std::atomic<bool>*>(user) = true;
+                },
+                &gone, nullptr, &watch),
+            HGROS_OK);
+  const test::WatchHandle watching(watch);
+  Peer peer({"hold", "words"});
+  ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "words", 1, kPatienceNs), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return Publish(publisher, "x") == HGROS_FULL; }));
+  peer.Kill();
+  EXPECT_EQ(hgros_publish_wait(publisher.get(), "y", 1, kPatienceNs), HGROS_OK) << LastError();
+  EXPECT_TRUE(Await([&] { return gone.load(); }));
+}
+
+TEST_F(CProcesses, LoanOfFourMegabytesIsReadInSharedMemory) {
+  constexpr std::size_t kBytes = 4 << 20;
+  const auto publisher = Publisher(session, "images", text);
+  Peer peer({"measure", "images"});
+  ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "images", 1, kPatienceNs), HGROS_OK);
+  hgros_peers* peers = nullptr;
+  ASSERT_EQ(hgros_peers_open(session.get(), &peers), HGROS_OK);
+  hgros_peer one{};
+  one.size = sizeof one;
+  ASSERT_EQ(hgros_peers_get(peers, 0, &one), HGROS_OK);
+  EXPECT_STREQ(one.transport, "shared memory");
+  hgros_peers_free(peers);
+  hgros_loan* loan = nullptr;
+  ASSERT_EQ(hgros_loan_open(publisher.get(), kBytes, &loan), HGROS_OK);
+  std::memset(hgros_loan_data(loan, nullptr), 3, kBytes);
+  ASSERT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
+  hgros_loan_free(loan);
+  EXPECT_EQ(peer.Line(), std::to_string(kBytes) + " " + std::to_string(3 * kBytes));
+  EXPECT_EQ(peer.Exit(), 0);
+}
+
+TEST_F(CProcesses, ServiceOfAnotherProcessAnswersUntilItIsKilled) {
+  Peer peer({"serve", "shout"});
+  const auto call = [&](hgros_message** reply) {
+    return hgros_call(session.get(), "shout", text.get(), "hello", 5, nullptr, kPatienceNs, reply);
+  };
+  hgros_message* reply = nullptr;
+  ASSERT_TRUE(Await([&] { return call(&reply) == HGROS_OK; })) << LastError();
+  EXPECT_EQ(test::TextOf(reply), "HELLO");
+  EXPECT_STREQ(hgros_schema_type_name(hgros_message_schema(reply)), "text");
+  hgros_message_free(reply);
+  peer.Kill();
+  ASSERT_TRUE(Await([&] {
+    const hgros_status status = call(&reply);
+    hgros_message_free(reply);
+    return status == HGROS_NO_SERVER;
+  })) << LastError();
+}
+
+}  // namespace
+}  // namespace hgros

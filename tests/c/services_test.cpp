@@ -1,0 +1,156 @@
+#include <thread>
+
+#include "c/c_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::LastError;
+using test::LogLines;
+
+class CServices : public testing::Test {
+ protected:
+  // Replies with the request, or fails with it if it begins with "!". "?" gets no reply.
+  static void Echo(void* /*user*/, const hgros_message* request, hgros_reply* reply) {
+    const std::string asked = test::TextOf(request);
+    if (asked == "?") return;
+    if (asked.starts_with("!")) {
+      EXPECT_EQ(hgros_reply_fail(reply, asked.substr(1).c_str()), HGROS_OK);
+      return;
+    }
+    EXPECT_EQ(hgros_reply_set(reply, asked.data(), asked.size()), HGROS_OK);
+    EXPECT_EQ(hgros_reply_set(reply, "twice", 5), HGROS_INVALID_ARGUMENT);
+  }
+  test::ServiceHandle Serve(const test::SessionHandle& on) {
+    hgros_service* service = nullptr;
+    EXPECT_EQ(hgros_serve(on.get(), "echo", text.get(), text.get(), nullptr, &Echo, nullptr, nullptr, &service),
+              HGROS_OK)
+        << LastError();
+    return test::ServiceHandle(service);
+  }
+  // The reply, or the name of the status.
+  std::string Call(const test::SessionHandle& from, const std::string& request, const hgros_schema* schema = nullptr) {
+    hgros_message* reply = nullptr;
+    const hgros_status status = hgros_call(from.get(), "echo", schema == nullptr ? text.get() : schema, request.data(),
+                                           request.size(), text.get(), std::int64_t{20'000'000'000}, &reply);
+    const test::MessageHandle owned(reply);
+    return status == HGROS_OK ? test::TextOf(reply) : "<" + std::string(hgros_status_name(status)) + ">";
+  }
+
+  std::string yaml = test::DomainYaml();
+  LogLines log;
+  LogLines others_log;
+  test::SessionHandle session = test::Open(yaml, log);
+  test::SchemaHandle text = test::TextSchema();
+};
+
+TEST_F(CServices, AnswerInTheSameSessionAndInAnother) {
+  const auto service = Serve(session);
+  const auto other = test::Open(yaml, others_log, "other");
+  EXPECT_EQ(Call(session, "here"), "here");
+  EXPECT_EQ(Call(other, "there"), "there");
+}
+
+TEST_F(CServices, HandlerThatFailsOrForgetsItsReplyTellsTheCaller) {
+  const auto service = Serve(session);
+  EXPECT_EQ(Call(session, "!The arm is folded."), "<handler failed>");
+  EXPECT_NE(LastError().find("The arm is folded."), std::string::npos) << LastError();
+  EXPECT_EQ(Call(session, "?"), "<handler failed>");
+  EXPECT_NE(LastError().find("no reply"), std::string::npos) << LastError();
+}
+
+TEST_F(CServices, MissingServerAndWrongTypeAreToldApart) {
+  EXPECT_EQ(Call(session, "x"), "<no server>");
+  const auto service = Serve(session);
+  const auto numbers = test::TextSchema("number");
+  EXPECT_EQ(Call(session, "x", numbers.get()), "<type mismatch>");
+  EXPECT_NE(LastError().find("number"), std::string::npos) << LastError();
+  EXPECT_NE(LastError().find("text"), std::string::npos) << LastError();
+  hgros_service* second = nullptr;
+  EXPECT_EQ(hgros_serve(session.get(), "echo", text.get(), text.get(), nullptr, &Echo, nullptr, nullptr, &second),
+            HGROS_ERROR);
+}
+
+struct Ended {
+  std::atomic<int> calls{0};
+  std::atomic<int> released{0};
+  std::atomic<hgros_status> status{-1};
+  std::string reply;
+  static void Note(void* user, hgros_status status, const char* sentence, const hgros_message* reply) {
+    auto& self = *static_cast<Ended*>(user);
+    self.reply = reply == nullptr ? sentence : test::TextOf(reply);
+    self.status = status;
+    ++self.calls;
+  }
+  static void Release(void* user) { ++static_cast<Ended*>(user)->released; }
+};
+
+TEST_F(CServices, ReplyComesToACallbackOnce) {
+  const auto service = Serve(session);
+  Ended ended;
+  hgros_pending_call* call = nullptr;
+  ASSERT_EQ(hgros_call_later(session.get(), "echo", text.get(), "later", 5, nullptr, -1, &Ended::Note, &ended,
+                             &Ended::Release, &call),
+            HGROS_OK);
+  ASSERT_TRUE(Await([&] { return ended.calls == 1; }));
+  EXPECT_EQ(ended.status, HGROS_OK);
+  EXPECT_EQ(ended.reply, "later");
+  hgros_call_cancel(call);
+  hgros_call_free(call);
+  EXPECT_TRUE(Await([&] { return ended.released == 1; }));
+  EXPECT_EQ(ended.calls, 1);
+}
+
+TEST_F(CServices, CancelledCallTellsItsCallback) {
+  test::Door door;
+  hgros_service* service = nullptr;
+  ASSERT_EQ(hgros_serve(
+                session.get(), "slow", text.get(), text.get(), nullptr,
+                [](void* user, const hgros_message*, hgros_reply* reply) {
+                  static_cast<test::Door*>(user)->Pass();
+                  (void)hgros_reply_set(reply, nullptr, 0);
+                },
+                &door, nullptr, &service),
+            HGROS_OK);
+  const test::ServiceHandle owned(service);
+  Ended ended;
+  hgros_pending_call* call = nullptr;
+  ASSERT_EQ(hgros_call_later(session.get(), "slow", text.get(), nullptr, 0, nullptr, -1, &Ended::Note, &ended, nullptr,
+                             &call),
+            HGROS_OK);
+  hgros_call_cancel(call);
+  EXPECT_TRUE(Await([&] { return ended.calls == 1; }));
+  EXPECT_EQ(ended.status, HGROS_CANCELLED);
+  hgros_call_free(call);
+  door.Open();
+}
+
+TEST_F(CServices, EndOfTheSessionEndsItsCalls) {
+  test::Door door;
+  const auto other = test::Open(yaml, others_log, "other");
+  hgros_service* service = nullptr;
+  ASSERT_EQ(hgros_serve(
+                other.get(), "slow", text.get(), text.get(), nullptr,
+                [](void* user, const hgros_message*, hgros_reply* reply) {
+                  static_cast<test::Door*>(user)->Pass();
+                  (void)hgros_reply_set(reply, nullptr, 0);
+                },
+                &door, nullptr, &service),
+            HGROS_OK);
+  const test::ServiceHandle owned(service);
+  Ended ended;
+  hgros_pending_call* call = nullptr;
+  ASSERT_EQ(hgros_call_later(session.get(), "slow", text.get(), nullptr, 0, nullptr, -1, &Ended::Note, &ended,
+                             &Ended::Release, &call),
+            HGROS_OK);
+  session.reset();
+  EXPECT_EQ(ended.calls, 1);
+  EXPECT_EQ(ended.status, HGROS_CLOSED);
+  hgros_call_free(call);
+  EXPECT_EQ(ended.released, 1);
+  door.Open();
+}
+
+}  // namespace
+}  // namespace hgros

@@ -1,0 +1,310 @@
+#include <poll.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "c/c_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::LastError;
+using test::LogLines;
+using test::Publish;
+using test::Publisher;
+using test::Take;
+using test::Texts;
+
+TEST(CSession, NullArgumentsGiveACodeAndASentence) {
+  EXPECT_EQ(hgros_session_open("", nullptr, nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_NE(LastError().find("NULL"), std::string::npos);
+  hgros_publisher* publisher = nullptr;
+  EXPECT_EQ(hgros_publisher_open(nullptr, "c", nullptr, nullptr, &publisher), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(LastError(), "session is NULL.");
+  hgros_subscription* subscription = nullptr;
+  EXPECT_EQ(hgros_subscribe(nullptr, "c", nullptr, nullptr, nullptr, nullptr, &subscription), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_publish(nullptr, "x", 1), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_loan_open(nullptr, 1, nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_loan_publish(nullptr, 0), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_queue_take(nullptr, 0, nullptr), HGROS_INVALID_ARGUMENT);
+  hgros_message* kept = nullptr;
+  EXPECT_EQ(hgros_message_keep(nullptr, &kept), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_message_keep(nullptr, nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_call(nullptr, "s", nullptr, nullptr, 0, nullptr, 0, nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_reply_set(nullptr, nullptr, 0), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_params_get_number(nullptr, "p", nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_transforms_lookup(nullptr, "a", "b", nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_simulated_clock_step(nullptr, 1), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_peers_get(nullptr, 0, nullptr), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_schema_create(nullptr, HGROS_ENCODING_CUSTOM, 0, nullptr, 0, nullptr), HGROS_INVALID_ARGUMENT);
+  hgros_session_close(nullptr);
+  hgros_subscription_close(nullptr);
+  hgros_message_free(nullptr);
+  EXPECT_EQ(hgros_message_data(nullptr, nullptr), nullptr);
+  EXPECT_EQ(hgros_queue_descriptor(nullptr), -1);
+}
+
+TEST(CSession, ConfigurationErrorsNameLineAndFix) {
+  hgros_session* session = nullptr;
+  EXPECT_EQ(hgros_session_open("netwrok: {}", nullptr, &session), HGROS_CONFIG_ERROR);
+  EXPECT_EQ(session, nullptr);
+  EXPECT_NE(LastError().find("network"), std::string::npos) << LastError();
+  EXPECT_NE(LastError().find(":1:1"), std::string::npos) << LastError();
+}
+
+TEST(CSession, ReadsAndMergesFiles) {
+  const auto folder = std::filesystem::temp_directory_path() / ("c_session_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const std::string one = folder / "one.yaml";
+  const std::string two = folder / "two.yaml";
+  std::ofstream(one) << test::DomainYaml() << "\n";
+  std::ofstream(two) << "channels: {words: {latched: 1}}\n";
+  const char* const files[] = {one.c_str(), two.c_str()};
+  hgros_session* opened = nullptr;
+  ASSERT_EQ(hgros_session_open_files(files, 2, nullptr, &opened), HGROS_OK) << LastError();
+  const test::SessionHandle session(opened);
+  const auto text = test::TextSchema();
+  EXPECT_EQ(Publish(Publisher(session, "words", text), "latched by the file"), HGROS_OK);
+  EXPECT_EQ(Take(test::Queue(session, "words"), 0), "latched by the file");
+  const std::string missing = folder / "three.yaml";
+  const char* const none[] = {missing.c_str()};
+  EXPECT_EQ(hgros_session_open_files(none, 1, nullptr, &opened), HGROS_CONFIG_ERROR) << LastError();
+  EXPECT_NE(LastError().find("three.yaml"), std::string::npos) << LastError();
+  std::filesystem::remove_all(folder);
+}
+
+TEST(CSession, StructsOfAnEarlierVersionAreReadAsFarAsTheyGo) {
+  LogLines log;
+  const auto session = test::Open(test::DomainYaml(), log);
+  hgros_subscribe_options options{};
+  options.keep_last = 1;
+  options.keep_all = 7;  // Behind the end of the earlier struct.
+  options.size = offsetof(hgros_subscribe_options, keep_all);
+  hgros_subscription* queue = nullptr;
+  ASSERT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_OK) << LastError();
+  const test::SubscriptionHandle owned(queue);
+  hgros_subscription_stats stats{};
+  stats.queued = 99;
+  stats.size = offsetof(hgros_subscription_stats, queued);
+  EXPECT_EQ(hgros_subscription_get_stats(queue, &stats), HGROS_OK);
+  EXPECT_EQ(stats.queued, 99U) << "fields beyond the size are not written";
+  options.size = 0;
+  EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_INVALID_ARGUMENT);
+  EXPECT_NE(LastError().find("sizeof"), std::string::npos) << LastError();
+}
+
+TEST(CSession, LastErrorBelongsToItsThread) {
+  EXPECT_EQ(hgros_publish(nullptr, nullptr, 0), HGROS_INVALID_ARGUMENT);
+  std::string there = "unset";
+  std::thread([&] { there = LastError(); }).join();
+  EXPECT_EQ(there, "");
+  EXPECT_EQ(LastError(), "publisher is NULL.");
+  EXPECT_STREQ(hgros_status_name(HGROS_FULL), "full");
+  EXPECT_STREQ(hgros_status_name(12345), "unknown");
+}
+
+TEST(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
+  struct Sink {
+    LogLines lines;
+    std::atomic<int> released{0};
+  } sink;
+  hgros_session_options options{};
+  options.size = sizeof options;
+  options.log = [](void* user, int32_t level, const char* text) {
+    EXPECT_EQ(level, HGROS_LOG_WARNING);
+    LogLines::Add(&static_cast<Sink*>(user)->lines, level, text);
+  };
+  options.log_user = &sink;
+  options.log_release = [](void* user) { ++static_cast<Sink*>(user)->released; };
+  hgros_session* opened = nullptr;
+  ASSERT_EQ(hgros_session_open(test::DomainYaml().c_str(), &options, &opened), HGROS_OK);
+  ASSERT_EQ(hgros_session_set_log_level(opened, HGROS_LOG_WARNING), HGROS_OK);
+  EXPECT_EQ(hgros_session_log(opened, HGROS_LOG_INFO, "not written"), HGROS_OK);
+  EXPECT_EQ(hgros_session_log(opened, HGROS_LOG_WARNING, "written"), HGROS_OK);
+  EXPECT_EQ(hgros_session_log(opened, 17, "x"), HGROS_INVALID_ARGUMENT);
+  EXPECT_TRUE(sink.lines.Contain("written"));
+  EXPECT_FALSE(sink.lines.Contain("not written"));
+  hgros_session_close(opened);
+  EXPECT_EQ(sink.released, 1);
+}
+
+TEST(CSession, ClosingItClosesWhatWasMadeFromIt) {
+  LogLines log;
+  auto session = test::Open(test::DomainYaml(), log);
+  const auto text = test::TextSchema();
+  const auto publisher = Publisher(session, "words", text);
+  const auto queue = test::Queue(session, "words");
+  hgros_transforms* transforms = nullptr;
+  ASSERT_EQ(hgros_transforms_open(session.get(), &transforms), HGROS_OK);
+  std::thread taking([&] { EXPECT_EQ(Take(queue, -1), "<closed>"); });
+  std::thread waiting([&] {
+    hgros_transform found;
+    EXPECT_EQ(hgros_transforms_wait(transforms, "map", "base", 1, -1, &found), HGROS_CLOSED) << LastError();
+  });
+  test::Linger(std::chrono::milliseconds(20));
+  session.reset();
+  taking.join();
+  waiting.join();
+  EXPECT_EQ(Publish(publisher, "late"), HGROS_CLOSED);
+  hgros_loan* loan = nullptr;
+  EXPECT_EQ(hgros_loan_open(publisher.get(), 1, &loan), HGROS_CLOSED);
+  hgros_transform pose{};
+  EXPECT_EQ(hgros_transforms_lookup(transforms, "a", "b", &pose), HGROS_CLOSED);
+  EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
+}
+
+TEST(CSession, QueueThatIsEndedWakesItsTaker) {
+  LogLines log;
+  const auto session = test::Open(test::DomainYaml(), log);
+  const auto queue = test::Queue(session, "words");
+  std::thread taking([&] { EXPECT_EQ(Take(queue, -1), "<closed>"); });
+  test::Linger(std::chrono::milliseconds(20));
+  hgros_subscription_end(queue.get());
+  taking.join();
+  pollfd one{hgros_queue_descriptor(queue.get()), POLLIN, 0};
+  EXPECT_EQ(poll(&one, 1, 0), 1) << "an event loop must notice the end";
+}
+
+struct SelfClosing {
+  hgros_subscription* subscription = nullptr;
+  std::atomic<int> calls{0};
+  std::atomic<int> released{0};
+};
+
+TEST(CSession, SubscriptionMayBeClosedInItsOwnCallback) {
+  LogLines log;
+  const auto session = test::Open(test::DomainYaml(), log);
+  const auto text = test::TextSchema();
+  const auto publisher = Publisher(session, "words", text);
+  SelfClosing self;
+  ASSERT_EQ(hgros_subscribe(
+                session.get(), "words", nullptr,
+                [](void* user, const hgros_message*) {
+                  auto& of = *static_cast<SelfClosing*>(user);
+                  ++of.calls;
+                  hgros_subscription_close(of.subscription);
+                },
+                &self, [](void* user) { ++static_cast<SelfClosing*>(user)->released; }, &self.subscription),
+            HGROS_OK);
+  EXPECT_EQ(Publish(publisher, "a"), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return self.released == 1; }));
+  EXPECT_EQ(Publish(publisher, "b"), HGROS_OK);
+  EXPECT_EQ(hgros_session_wait_idle(session.get(), -1), HGROS_OK);
+  EXPECT_EQ(self.calls, 1);
+}
+
+TEST(CSession, SessionMayBeClosedInItsOwnCallback) {
+  // It stays until the process ends, so what its log uses must stay, too.
+  static LogLines& log = *new LogLines;
+  static std::atomic<bool> closed{false};
+  const auto session = test::Open(test::DomainYaml(), log).release();
+  hgros_transforms* transforms = nullptr;
+  ASSERT_EQ(hgros_transforms_open(session, &transforms), HGROS_OK);
+  struct Both {
+    hgros_session* session;
+    hgros_transforms* transforms;
+  };
+  static Both both;
+  closed = false;
+  both = {session, transforms};
+  const auto text = test::TextSchema();
+  hgros_publisher* publisher = nullptr;
+  ASSERT_EQ(hgros_publisher_open(session, "words", text.get(), nullptr, &publisher), HGROS_OK);
+  hgros_subscription* subscription = nullptr;
+  ASSERT_EQ(hgros_subscribe(
+                session, "words", nullptr,
+                [](void* user, const hgros_message*) {
+                  const Both& of = *static_cast<Both*>(user);
+                  EXPECT_EQ(hgros_transforms_close(of.transforms), HGROS_WOULD_DEADLOCK);
+                  hgros_session_close(of.session);
+                  closed = true;
+                },
+                &both, nullptr, &subscription),
+            HGROS_OK);
+  EXPECT_EQ(hgros_publish(publisher, "go", 2), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return closed.load(); }));
+  EXPECT_TRUE(log.Contain("callback")) << "the log says which callback closed it";
+  EXPECT_EQ(hgros_publish(publisher, "more", 4), HGROS_CLOSED);
+  hgros_publisher_close(publisher);
+  hgros_subscription_close(subscription);
+  hgros_transform found;
+  EXPECT_EQ(hgros_transforms_lookup(transforms, "a", "b", &found), HGROS_CLOSED);
+  EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
+}
+
+TEST(CSession, CallbackMayPublishSubscribeAndCall) {
+  LogLines log;
+  const auto session = test::Open(test::DomainYaml(), log);
+  const auto text = test::TextSchema();
+  struct Relay {
+    test::PublisherHandle publisher;
+    std::atomic<hgros_status> waited{-1};
+  } relay{Publisher(session, "out", text), -1};
+  const auto queue = test::Queue(session, "out", 1);
+  hgros_subscription* subscription = nullptr;
+  ASSERT_EQ(hgros_subscribe(
+                session.get(), "in", nullptr,
+                [](void* user, const hgros_message* message) {
+                  auto& to = *static_cast<Relay*>(user);
+                  EXPECT_EQ(Publish(to.publisher, test::TextOf(message)), HGROS_OK);
+                  to.waited = hgros_publish_wait(to.publisher.get(), "x", 1, -1);
+                },
+                &relay, nullptr, &subscription),
+            HGROS_OK);
+  const test::SubscriptionHandle owned(subscription);
+  EXPECT_EQ(Publish(Publisher(session, "in", text), "relayed"), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return relay.waited != -1; }));
+  EXPECT_EQ(relay.waited, HGROS_WOULD_DEADLOCK);
+  EXPECT_EQ(Take(queue, 0), "relayed");
+}
+
+TEST(CSession, ListsPeersAndChannelsWithTheirUsers) {
+  const std::string yaml = test::DomainYaml();
+  LogLines log;
+  LogLines others_log;
+  const auto session = test::Open(yaml, log);
+  const auto other = test::Open(yaml, others_log, "other");
+  const auto text = test::TextSchema();
+  const auto queue = test::Queue(session, "words");
+  const auto publisher = Publisher(other, "words", text);
+  ASSERT_EQ(hgros_session_wait_for_publishers(session.get(), "words", 1, -1), HGROS_OK);
+  EXPECT_EQ(hgros_session_wait_for_publishers(session.get(), "words", 2, 0), HGROS_TIMED_OUT);
+  hgros_peers* peers = nullptr;
+  ASSERT_EQ(hgros_peers_open(session.get(), &peers), HGROS_OK);
+  hgros_peer peer{};
+  peer.size = sizeof peer;
+  ASSERT_EQ(hgros_peers_count(peers), 1U);
+  EXPECT_EQ(hgros_peers_get(peers, 0, &peer), HGROS_OK);
+  EXPECT_STREQ(peer.process, "other");
+  EXPECT_EQ(peer.id, hgros_session_id(other.get()));
+  EXPECT_EQ(peer.pid, getpid());
+  EXPECT_EQ(hgros_peers_get(peers, 1, &peer), HGROS_NOT_FOUND);
+  hgros_peers_free(peers);
+  std::string publishers;
+  ASSERT_TRUE(Await([&] {
+    hgros_channels* channels = nullptr;
+    EXPECT_EQ(hgros_channels_open(session.get(), &channels), HGROS_OK);
+    for (std::size_t i = 0; i < hgros_channels_count(channels); ++i) {
+      hgros_channel one{};
+      one.size = sizeof one;
+      EXPECT_EQ(hgros_channels_get(channels, i, &one), HGROS_OK);
+      if (one.name != std::string("words") || one.publishers == 0) continue;
+      EXPECT_STREQ(one.type_name, "text");
+      EXPECT_EQ(one.encoding, HGROS_ENCODING_CUSTOM);
+      hgros_channel_user user{};
+      user.size = sizeof user;
+      EXPECT_EQ(hgros_channels_get_user(channels, i, HGROS_ROLE_PUBLISHER, 0, &user), HGROS_OK);
+      publishers = user.process;
+      EXPECT_EQ(hgros_channels_get_user(channels, i, HGROS_ROLE_PUBLISHER, 5, &user), HGROS_NOT_FOUND);
+      EXPECT_EQ(hgros_channels_get_user(channels, i, 3, 0, &user), HGROS_INVALID_ARGUMENT);
+    }
+    hgros_channels_free(channels);
+    return !publishers.empty();
+  }));
+  EXPECT_EQ(publishers, "other");
+}
+
+}  // namespace
+}  // namespace hgros
