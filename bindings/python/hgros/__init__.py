@@ -1,0 +1,34 @@
+"""HyperGraph ROS for Python: sessions, channels, large data without copies.
+
+    import hgros
+    from foxglove.LaserScan_pb2 import LaserScan
+
+    with hgros.Session() as robot:
+        nearest = robot.advertise("nearest", LaserScan)
+
+        @robot.subscribe("scan")
+        def on_scan(scan, info):
+            ...
+
+        robot.spin()
+"""
+
+from ._hgros import MessageInfo
+from .bulk import data, image, message, points
+from .errors import ConfigError, Error, PublishError, QueueFull, SessionClosed, TypeMismatch
+from .publisher import Publisher
+from .queues import KeepAll, KeepLast
+from .session import Session
+from .stream import Messages
+from .subscription import Subscription
+
+__all__ = ["ConfigError", "Error", "KeepAll", "KeepLast", "MessageInfo", "Messages", "PublishError", "Publisher",
+           "QueueFull", "Session", "SessionClosed", "Subscription", "TypeMismatch", "data", "image", "leases", "message",
+           "points"]
+
+
+def leases() -> tuple[int, int]:
+    """How many received messages this program keeps in the memory where they arrived, and their bytes."""
+    from ._hgros import leases as count
+
+    return count()

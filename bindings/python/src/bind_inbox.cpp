@@ -1,0 +1,127 @@
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "bindings.hpp"
+#include "bulk_wire.hpp"
+#include "inbox.hpp"
+#include "session_handle.hpp"
+#include "wire.hpp"
+
+namespace hgros::python {
+namespace {
+
+namespace py = pybind11;
+
+// Up to here a copy costs less than keeping the memory in which the message arrived.
+constexpr std::size_t kCopiedBytes = 4096;
+
+// What Python gets beside a message.
+struct Envelope {
+  MessageInfo info;
+  Cause cause;
+};
+
+py::bytes AsPyBytes(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+py::object ToPython(Heard& heard) {
+  py::object wire;
+  if (heard.message.data.bytes.size() <= kCopiedBytes) {
+    wire = AsPyBytes(heard.message.data.bytes);
+  } else {
+    wire = py::cast(std::make_unique<Wire>(std::move(heard.message.data)));
+  }
+  return py::make_tuple(std::move(wire), std::const_pointer_cast<MessageSchema>(std::move(heard.message.schema)),
+                        Envelope{heard.info, heard.cause});
+}
+
+py::object ToPython(LogLine& line) { return py::make_tuple(static_cast<int>(line.level), py::str(line.text)); }
+
+py::list TakeFrom(Inbox& inbox, std::size_t most) {
+  std::vector<Arrival> taken = inbox.Take(most);
+  py::list list(taken.size());
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    list[i] = std::visit([](auto& one) { return ToPython(one); }, taken[i]);
+  }
+  return list;
+}
+
+void BindInfo(py::module_& module) {
+  py::class_<Envelope>(module, "MessageInfo", "What is known about a message beside its content.")
+      .def_property_readonly(
+          "publisher", [](const Envelope& one) { return one.info.id.publisher; }, "The id of the publishing session.")
+      .def_property_readonly(
+          "sequence", [](const Envelope& one) { return one.info.id.sequence; },
+          "Counts the publisher's messages on the channel from 1.")
+      .def_property_readonly(
+          "number", [](const Envelope& one) { return one.info.number; },
+          "Counts the channel's messages in the publishing process; 0: unknown.")
+      .def_property_readonly(
+          "key", [](const Envelope& one) { return one.info.key; }, "Identifies the message in all processes.")
+      .def_property_readonly(
+          "cause", [](const Envelope& one) { return one.info.cause.message; },
+          "The key of the message that led to this one; 0: none.")
+      .def_property_readonly(
+          "publish_time_ns", [](const Envelope& one) { return one.info.publish_time_ns; },
+          "The sender's wall clock in ns since 1970; 0: unknown, as for messages of this session.")
+      .def_property_readonly(
+          "publish_monotonic_ns", [](const Envelope& one) { return one.info.publish_monotonic_ns; },
+          "time.monotonic_ns() when it was published, or received from another host.")
+      .def_property_readonly(
+          "remote", [](const Envelope& one) { return one.info.remote; }, "Whether it came from another session.")
+      .def("__repr__", [](const Envelope& one) {
+        return "MessageInfo(publisher=" + SessionId{one.info.id.publisher}.ToString() +
+               ", sequence=" + std::to_string(one.info.id.sequence) + ")";
+      });
+  module.def(
+      "enter_callback", [](const Envelope& one) { current_cause = one.cause; },
+      "What this thread publishes from now on was caused by that message.");
+  module.def("leave_callback", [] { current_cause = {}; });
+}
+
+}  // namespace
+
+void BindInbox(py::module_& module) {
+  BindInfo(module);
+  py::class_<Wire>(module, "Wire", py::buffer_protocol(), "The bytes of a message where they arrived.")
+      .def_buffer([](const Wire& wire) {
+        const Bytes bytes = wire.data().bytes;
+        return py::buffer_info(const_cast<std::byte*>(bytes.data()), 1, "B", 1,
+                               {static_cast<py::ssize_t>(bytes.size())}, {1}, /*readonly=*/true);
+      })
+      .def("__len__", [](const Wire& wire) { return wire.data().bytes.size(); });
+  module.def(
+      "leases", [] { return py::make_tuple(leases.count.load(), leases.bytes.load()); },
+      "How many messages Python keeps in the memory where they arrived, and their bytes.");
+  module.def(
+      "split_bulk",
+      [](const py::buffer& wire, int number) -> py::object {
+        const py::buffer_info info = wire.request();
+        const auto split =
+            SplitBulk({static_cast<const std::byte*>(info.ptr), static_cast<std::size_t>(info.size)}, number);
+        if (!split) return py::none();
+        return py::make_tuple(py::bytes(split->head), split->at, split->size);
+      },
+      "The wire form without a `bytes` field, and where that field is; None if it is not a protobuf message.");
+
+  py::class_<ReadyList, std::shared_ptr<ReadyList>>(module, "ReadyList", "Which inboxes have something.")
+      .def(py::init<>())
+      .def("wait", &ReadyList::Wait, py::arg("timeout"))
+      .def("take", &ReadyList::Take)
+      .def("add", &ReadyList::Add, py::arg("key"))
+      .def("wake", &ReadyList::Wake)
+      .def("fileno", &ReadyList::descriptor);
+  py::class_<Inbox, std::shared_ptr<Inbox>>(module, "Inbox", "A bounded queue from the library to Python.")
+      .def(py::init<std::shared_ptr<ReadyList>, int>(), py::arg("ready"), py::arg("key"))
+      .def("keep_last", [](Inbox& inbox, std::size_t depth) { inbox.SetQueue(Queue::KeepLast(depth)); })
+      .def("take", &TakeFrom, py::arg("most"))
+      .def("close", &Inbox::Close, py::call_guard<py::gil_scoped_release>())
+      .def_property_readonly("dropped", &Inbox::dropped)
+      .def_property_readonly("queued", &Inbox::queued);
+}
+
+}  // namespace hgros::python

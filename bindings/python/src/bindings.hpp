@@ -1,0 +1,13 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace hgros::python {
+
+// Each function adds the classes of one subject to the module.
+void BindInbox(pybind11::module_& module);
+void BindSchema(pybind11::module_& module);
+void BindPublisher(pybind11::module_& module);
+void BindSession(pybind11::module_& module);
+
+}  // namespace hgros::python
