@@ -18,13 +18,15 @@ from .bulk import data, image, message, points
 from .errors import ConfigError, Error, PublishError, QueueFull, SessionClosed, TypeMismatch
 from .publisher import Publisher
 from .queues import KeepAll, KeepLast
+from .services import Call, CallError, Service
 from .session import Session
 from .stream import Messages
 from .subscription import Subscription
+from .timers import Rate, Tick, Timer
 
-__all__ = ["ConfigError", "Error", "KeepAll", "KeepLast", "MessageInfo", "Messages", "PublishError", "Publisher",
-           "QueueFull", "Session", "SessionClosed", "Subscription", "TypeMismatch", "data", "image", "leases", "message",
-           "points"]
+__all__ = ["Call", "CallError", "ConfigError", "Error", "KeepAll", "KeepLast", "MessageInfo", "Messages", "PublishError",
+           "Publisher", "QueueFull", "Rate", "Service", "Session", "SessionClosed", "Subscription", "Tick", "Timer",
+           "TypeMismatch", "data", "image", "leases", "message", "points"]
 
 
 def leases() -> tuple[int, int]:

@@ -20,10 +20,15 @@ from .log_relay import LogRelay
 from .message_types import schema_of
 from .publisher import Publisher
 from .queues import KeepAll, KeepLast, Queue
+from .services import Call, Service
 from .stream import Messages
 from .subscription import Reader, Subscription
+from .timers import Rate, Tick, Timer, period_ns
 
 M = TypeVar("M", bound=Message)
+Request = TypeVar("Request", bound=Message)
+Reply = TypeVar("Reply", bound=Message)
+Turn = TypeVar("Turn", bound=Callable[[Tick], object])
 AnyCallback = Callable[[Any, _hgros.MessageInfo], object]
 Callback = TypeVar("Callback", bound=AnyCallback)
 
@@ -68,7 +73,9 @@ class Session:
                                       _program() if name is None else name, _log_inbox())
         self._ready = _hgros.ReadyList()
         self._handlers: dict[int, _Handler] = {}
-        self._streams: weakref.WeakSet[Messages[Any]] = weakref.WeakSet()
+        self._streams: weakref.WeakSet[Messages[Any] | Rate] = weakref.WeakSet()
+        self._serving: set[str] = set()
+        self._spinner: int | None = None
         self._loaning: dict[str, Publisher[Any]] = {}
         self._next_key = 0
         self._lock = threading.RLock()
@@ -190,17 +197,24 @@ class Session:
                    name: str) -> Subscription:
         if not callable(callback):
             raise TypeError(f"The callback of channel \"{channel}\" cannot be called: {callback!r}.")
+        key, inbox = self._new_inbox()
+        raw = self._open(channel, wanted, inbox, queue, name)
+        subscription = Subscription(raw, Reader(inbox, channel, wanted), callback, lambda: self._forget(key))
+        self._add(key, subscription)
+        return subscription
+
+    def _new_inbox(self) -> tuple[int, _hgros.Inbox]:
         with self._lock:
             key = self._next_key
             self._next_key += 1
-        inbox = _hgros.Inbox(self._ready, key)
-        raw = self._open(channel, wanted, inbox, queue, name)
-        subscription = Subscription(raw, Reader(inbox, channel, wanted), callback,
-                                    lambda: self._handlers.pop(key, None) and None)
-        with self._lock:
-            self._handlers[key] = subscription
-        self._ready.add(key)  # A message may have come before there was a handler.
-        return subscription
+        return key, _hgros.Inbox(self._ready, key)
+
+    def _add(self, key: int, handler: _Handler) -> None:
+        self._handlers[key] = handler
+        self._ready.add(key)  # Something may have come before there was a handler.
+
+    def _forget(self, key: int) -> None:
+        self._handlers.pop(key, None)
 
     def _open(self, channel: str, wanted: type[Message] | None, inbox: _hgros.Inbox, queue: Queue,
               name: str) -> _hgros.Subscription:
@@ -228,6 +242,97 @@ class Session:
         stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout, lambda: None)
         streams.add(stream)
         return stream
+
+    # Services.
+
+    @overload
+    def call(self, name: str, request: Message, reply_type: type[Reply], *, timeout: float = ...) -> Call[Reply]: ...
+    @overload
+    def call(self, name: str, request: Message, reply_type: None = None, *, timeout: float = ...) -> Call[Any]: ...
+    def call(self, name: str, request: Message, reply_type: type[Message] | None = None, *,
+             timeout: float = 1.0) -> Call[Any]:
+        """Calls a service: `robot.call(...).result()`, or `await robot.call(...)`.
+
+        Without a type of the reply, it is that of the server. Errors are raised as CallError by result() and await.
+        """
+        deadlocks = name in self._serving and self._spinner == threading.get_ident()
+        return Call(self._use(), name, request, reply_type, timeout, deadlocks)
+
+    @overload
+    def serve(self, name: str, request_type: type[Request], reply_type: type[Reply],
+              handler: Callable[[Request], Reply]) -> Service: ...
+    @overload
+    def serve(self, name: str, request_type: type[Request], reply_type: type[Reply],
+              ) -> Callable[[Callable[[Request], Reply]], Callable[[Request], Reply]]: ...
+    def serve(self, name: str, request_type: Any, reply_type: Any, handler: Any = None) -> Any:
+        """Offers a service: `handler(request)` returns the reply, and runs as callbacks do. Also a decorator.
+
+        If the handler raises an exception, that is logged, and the caller gets it as CallError "handler failed".
+        """
+        if handler is None:
+            def decorate(function: Any) -> Any:
+                self.serve(name, request_type, reply_type, function)
+                return function
+            return decorate
+        key, inbox = self._new_inbox()
+        raw = _hgros.serve(self._use(), name, schema_of(request_type), schema_of(reply_type), inbox)
+        self._serving.add(name)
+
+        def forget() -> None:
+            self._serving.discard(name)
+            self._forget(key)
+
+        service = Service(raw, inbox, name, request_type, reply_type, handler, forget)
+        self._add(key, service)
+        return service
+
+    # Time.
+
+    @property
+    def now_ns(self) -> int:
+        """The session's clock in ns: with `time: simulated` that of the simulator, else the system's."""
+        return self._use().now_ns()
+
+    @overload
+    def timer(self, period: float, callback: Callable[[Tick], object], *, name: str = ...) -> Timer: ...
+    @overload
+    def timer(self, period: float, callback: None = None, *, name: str = ...) -> Callable[[Turn], Turn]: ...
+    def timer(self, period: float, callback: Any = None, *, name: str = "") -> Any:
+        """Calls `callback(tick)` every `period` seconds of the session's clock, as callbacks run. Also a decorator.
+
+        Turns that come while callbacks run are skipped and counted in `Tick.missed`.
+        """
+        if callback is None:
+            def decorate(function: Turn) -> Turn:
+                self.timer(period, function, name=name)
+                return function
+            return decorate
+        key, inbox = self._new_inbox()
+        inbox.keep_last(1)
+        name = name or f"python{key}"
+        raw = _hgros.create_timer(self._use(), name, period_ns(period), False, inbox)
+        timer = Timer(raw, inbox, name, callback, lambda: self._forget(key))
+        self._add(key, timer)
+        return timer
+
+    def rate(self, period: float) -> Rate:
+        """For a loop that runs every `period` seconds of the session's clock: `for tick in robot.rate(0.1)`."""
+        key, _ = self._new_inbox()
+        ready = _hgros.ReadyList()
+        inbox = _hgros.Inbox(ready, 0)
+        inbox.keep_last(1)
+        rate = Rate(_hgros.create_timer(self._use(), f"python{key}", period_ns(period), False, inbox), inbox, ready)
+        self._streams.add(rate)
+        return rate
+
+    def sleep(self, seconds: float) -> None:
+        """Sleeps on the session's clock. Raises Error if the session is closed meanwhile."""
+        if seconds > 0:
+            rate = self.rate(seconds)
+            try:
+                rate.sleep()
+            finally:
+                rate.close()
 
     # Running callbacks.
 
@@ -284,9 +389,11 @@ class Session:
             if not self._session._spins.acquire(blocking=False):
                 raise Error("The session spins already. Only one of spin, spin_once, start and spin_async runs at a "
                             "time, and not inside a callback.")
+            self._session._spinner = threading.get_ident()
             return self._session._stops
 
         def __exit__(self, *error: Any) -> None:
+            self._session._spinner = None
             self._session._spins.release()
 
     def _handle(self, keys: list[int]) -> None:

@@ -5,9 +5,11 @@
 #include <string>
 #include <variant>
 
+#include "answer.hpp"
 #include "hgros/base/bytes.hpp"
 #include "hgros/base/cause.hpp"
 #include "hgros/base/log.hpp"
+#include "hgros/clock/periodic_schedule.hpp"
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/graph/message_info.hpp"
 
@@ -26,8 +28,21 @@ struct LogLine {
   std::string text;
 };
 
+/// The end of a call: a reply, or the kind and the reason of a failure.
+struct CallEnded {
+  RawMessage reply;
+  std::string kind;  ///< Empty: there is a reply.
+  std::string reason;
+};
+
+/// A request to a service of Python, whose handler waits for the answer.
+struct Request {
+  RawMessage message;
+  std::shared_ptr<Answer> answer;
+};
+
 /// What an Inbox holds. None of it belongs to Python, so any thread may drop it without the GIL.
-using Arrival = std::variant<Heard, LogLine>;
+using Arrival = std::variant<Heard, LogLine, Tick, CallEnded, Request>;
 
 [[nodiscard]] inline std::size_t BytesOf(const Arrival& arrival) noexcept {
   const auto* heard = std::get_if<Heard>(&arrival);

@@ -28,18 +28,34 @@ struct Envelope {
 
 py::bytes AsPyBytes(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
+py::object WireOf(Payload data) {
+  if (data.bytes.size() <= kCopiedBytes) return AsPyBytes(data.bytes);
+  return py::cast(std::make_unique<Wire>(std::move(data)));
+}
+
 py::object ToPython(Heard& heard) {
-  py::object wire;
-  if (heard.message.data.bytes.size() <= kCopiedBytes) {
-    wire = AsPyBytes(heard.message.data.bytes);
-  } else {
-    wire = py::cast(std::make_unique<Wire>(std::move(heard.message.data)));
-  }
+  py::object wire = WireOf(std::move(heard.message.data));
   return py::make_tuple(std::move(wire), std::const_pointer_cast<MessageSchema>(std::move(heard.message.schema)),
                         Envelope{heard.info, heard.cause});
 }
 
 py::object ToPython(LogLine& line) { return py::make_tuple(static_cast<int>(line.level), py::str(line.text)); }
+
+py::object ToPython(const Tick& tick) {
+  return py::make_tuple(tick.planned.nanoseconds, tick.now.nanoseconds, tick.missed);
+}
+
+py::object ToPython(CallEnded& ended) {
+  if (!ended.kind.empty()) return py::make_tuple(py::none(), py::none(), ended.kind, ended.reason);
+  py::object wire = WireOf(std::move(ended.reply.data));
+  return py::make_tuple(std::move(wire), std::const_pointer_cast<MessageSchema>(std::move(ended.reply.schema)), "", "");
+}
+
+py::object ToPython(Request& request) {
+  py::object wire = WireOf(std::move(request.message.data));
+  return py::make_tuple(std::move(wire), std::const_pointer_cast<MessageSchema>(std::move(request.message.schema)),
+                        std::move(request.answer));
+}
 
 py::list TakeFrom(Inbox& inbox, std::size_t most) {
   std::vector<Arrival> taken = inbox.Take(most);
@@ -107,6 +123,10 @@ void BindInbox(py::module_& module) {
         return py::make_tuple(py::bytes(split->head), split->at, split->size);
       },
       "The wire form without a `bytes` field, and where that field is; None if it is not a protobuf message.");
+
+  py::class_<Answer, std::shared_ptr<Answer>>(module, "Answer", "What a waiting handler returns.")
+      .def("reply", [](Answer& answer, const std::string& data) { answer.Reply(data); })
+      .def("fail", &Answer::Fail);
 
   py::class_<ReadyList, std::shared_ptr<ReadyList>>(module, "ReadyList", "Which inboxes have something.")
       .def(py::init<>())

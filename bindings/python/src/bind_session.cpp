@@ -68,6 +68,8 @@ void BindSession(py::module_& module) {
       .def_property_readonly("id", [](const SessionHandle& one) { return one.Use()->id().ToString(); })
       .def_property_readonly("name", [](const SessionHandle& one) { return one.Use()->name(); })
       .def(
+          "now_ns", [](const SessionHandle& one) { return one.Use()->clock()->Now().nanoseconds; }, Released())
+      .def(
           "subscribe",
           [](SessionHandle& one, const std::string& channel, const std::shared_ptr<Inbox>& inbox, bool lossless,
              std::size_t depth, std::size_t limit_bytes, const std::string& name) {

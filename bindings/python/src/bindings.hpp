@@ -8,6 +8,7 @@ namespace hgros::python {
 void BindInbox(pybind11::module_& module);
 void BindSchema(pybind11::module_& module);
 void BindPublisher(pybind11::module_& module);
+void BindServices(pybind11::module_& module);  // Services, calls and timers of a session.
 void BindSession(pybind11::module_& module);
 
 }  // namespace hgros::python

@@ -13,5 +13,6 @@ PYBIND11_MODULE(_hgros, module) {
   python::BindInbox(module);
   python::BindSchema(module);
   python::BindPublisher(module);
+  python::BindServices(module);
   python::BindSession(module);
 }
