@@ -18,12 +18,15 @@ from .bulk import LoanedMessage
 from .errors import Error
 from .log_relay import LogRelay
 from .message_types import schema_of
+from .parameters import Parameters
 from .publisher import Publisher
 from .queues import KeepAll, KeepLast, Queue
 from .services import Call, Service
+from .snapshot import KnownChannel, SessionSnapshot, snapshot_of
 from .stream import Messages
 from .subscription import Reader, Subscription
 from .timers import Rate, Tick, Timer, period_ns
+from .transforms import Transforms
 
 M = TypeVar("M", bound=Message)
 Request = TypeVar("Request", bound=Message)
@@ -74,6 +77,9 @@ class Session:
         self._ready = _hgros.ReadyList()
         self._handlers: dict[int, _Handler] = {}
         self._streams: weakref.WeakSet[Messages[Any] | Rate] = weakref.WeakSet()
+        self._file = None if file is None else os.fspath(file)
+        self._params: Parameters | None = None
+        self._transforms: Transforms | None = None
         self._serving: set[str] = set()
         self._spinner: int | None = None
         self._loaning: dict[str, Publisher[Any]] = {}
@@ -115,6 +121,10 @@ class Session:
             handler.end()
         for stream in list(self._streams):
             stream.close()
+        if self._params is not None:
+            self._params._raw.end()
+        if self._transforms is not None:
+            self._transforms._raw.end()
         self._native.close()
 
     def __enter__(self) -> Session:
@@ -132,6 +142,32 @@ class Session:
             raise Error("The session belongs to the process that made it, and this one was forked from that. Make the "
                         "session after the fork.")
         return self._native
+
+    # Parameters, transforms, counters.
+
+    @property
+    def params(self) -> Parameters:
+        """The parameters of the program."""
+        with self._lock:
+            if self._params is None:
+                self._params = Parameters(self, _hgros.Params(self._use(), self._file))
+            return self._params
+
+    @property
+    def transforms(self) -> Transforms:
+        """The transforms of all sessions."""
+        with self._lock:
+            if self._transforms is None:
+                self._transforms = Transforms(_hgros.Transforms(self._use()))
+            return self._transforms
+
+    def snapshot(self) -> SessionSnapshot:
+        """All counters of the session."""
+        return snapshot_of(_hgros.snapshot(self._use()))
+
+    def channels(self) -> list[KnownChannel]:
+        """All channels that this session knows, also those of other sessions, sorted by name."""
+        return [KnownChannel(**one) for one in _hgros.channels(self._use())]
 
     # Publishing.
 
@@ -440,6 +476,10 @@ def _after_fork_in_child() -> None:
         session._forked = True
         _hgros.leave_to_parent(session)
         _hgros.leave_to_parent(session._native)
+        if session._params is not None:
+            _hgros.leave_to_parent(session._params._raw)
+        if session._transforms is not None:
+            _hgros.leave_to_parent(session._transforms._raw)
         for stream in list(session._streams):
             _hgros.leave_to_parent(stream)
             stream._raw = None

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "answer.hpp"
 #include "hgros/base/bytes.hpp"
@@ -41,8 +42,13 @@ struct Request {
   std::shared_ptr<Answer> answer;
 };
 
+/// Paths of parameters that have changed.
+struct ParamsChanged {
+  std::vector<std::string> paths;
+};
+
 /// What an Inbox holds. None of it belongs to Python, so any thread may drop it without the GIL.
-using Arrival = std::variant<Heard, LogLine, Tick, CallEnded, Request>;
+using Arrival = std::variant<Heard, LogLine, Tick, CallEnded, Request, ParamsChanged>;
 
 [[nodiscard]] inline std::size_t BytesOf(const Arrival& arrival) noexcept {
   const auto* heard = std::get_if<Heard>(&arrival);

@@ -57,6 +57,8 @@ py::object ToPython(Request& request) {
                         std::move(request.answer));
 }
 
+py::object ToPython(const ParamsChanged& changed) { return py::cast(changed.paths); }
+
 py::list TakeFrom(Inbox& inbox, std::size_t most) {
   std::vector<Arrival> taken = inbox.Take(most);
   py::list list(taken.size());

@@ -9,6 +9,9 @@ void BindInbox(pybind11::module_& module);
 void BindSchema(pybind11::module_& module);
 void BindPublisher(pybind11::module_& module);
 void BindServices(pybind11::module_& module);  // Services, calls and timers of a session.
+void BindParams(pybind11::module_& module);
+void BindTransforms(pybind11::module_& module);
+void BindSnapshot(pybind11::module_& module);
 void BindSession(pybind11::module_& module);
 
 }  // namespace hgros::python

@@ -15,4 +15,7 @@ PYBIND11_MODULE(_hgros, module) {
   python::BindPublisher(module);
   python::BindServices(module);
   python::BindSession(module);
+  python::BindParams(module);
+  python::BindTransforms(module);
+  python::BindSnapshot(module);
 }
