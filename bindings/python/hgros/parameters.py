@@ -43,7 +43,7 @@ class _Watch:
 class Parameters:
     """Parameters from the session's file and from `HGROS_PARAM_...` of the environment; `Session.params`.
 
-    Other sessions read and set them under the session's name, as with `hgros params`. Bounds are checked for every change,
+    Other sessions read and set them under the session's name, as with `hgros param`. Bounds are checked for every change,
     wherever it comes from. Made when it is first used.
     """
 
