@@ -79,7 +79,9 @@ class Bulk(RobotTest):
     def test_received_message_is_published_again_without_a_copy(self):
         self.publisher.publish(cloud_of(10000))
         again = self.robot.messages("again", timeout=10)
-        self.other.advertise("again", PointCloud).publish(next(self.messages))
+        publisher = self.other.advertise("again", PointCloud)
+        self.assertTrue(self.other.wait_for_subscribers("again", timeout=15))
+        publisher.publish(next(self.messages))
         self.assertEqual(hgros.points(next(again))["x"][-1], 9999)
 
     def test_loan_is_filled_and_published_in_place(self):

@@ -47,8 +47,7 @@ class Processes(RobotTest):
         out, err, code = self.interrupt("import hgros\n"
                                         "with hgros.Session() as robot:\n"
                                         "    robot.subscribe('log', callback=lambda message, info: None)\n"
-                                        "    print('ready', flush=True)\n"
-                                        "    try: robot.spin()\n"
+                                        "    try: print('ready', flush=True); robot.spin()\n"
                                         "    except KeyboardInterrupt: print('interrupted', flush=True)\n")
         self.assertEqual((out, code), ("interrupted\n", 0), err)
 

@@ -52,7 +52,7 @@ class BulkMessage:
         keep(self, "_name", name)
         keep(self, "_wire", wire)
         keep(self, "_head", message_type.FromString(head))
-        keep(self, "_data", memoryview(wire)[begin:begin + size])
+        keep(self, "_data", memoryview(cast(bytes, wire))[begin:begin + size])
         if type(wire) is _hgros.Wire:
             _warn_about_leases()
 
@@ -85,7 +85,7 @@ class BulkMessage:
         return bytes(self._wire)
 
     def ListFields(self) -> Any:
-        return message(self).ListFields()  # type: ignore[attr-defined]
+        return message(self).ListFields()
 
 
 class LoanedMessage(Generic[M]):
@@ -145,7 +145,7 @@ def message(received: Any) -> Any:
 def data(bulk: Any) -> memoryview:
     """The large field, as `points` and `image` see it: read-only if the message was received, writable in a loan."""
     if type(bulk) is BulkMessage:
-        return bulk._data
+        return cast(memoryview, bulk._data)
     if type(bulk) is LoanedMessage:
         return memoryview(bulk._loan)
     return memoryview(bulk.data)
@@ -222,8 +222,7 @@ def image(raw: Any) -> np.ndarray[Any, Any]:
     if step * height > len(view):
         raise Error(f"The image has {len(view)} bytes, fewer than {height} rows of {step}.")
     flat = np.frombuffer(view, np.uint8, step * height)
-    shape, strides = (height, width, samples), (step, samples * item, item)
-    if samples == 1:
-        shape, strides = shape[:2], strides[:2]
-    found: Any = np.ndarray(shape, np.dtype(format_), buffer=flat, strides=strides)
+    dimensions = 2 if samples == 1 else 3
+    found: Any = np.ndarray((height, width, samples)[:dimensions], np.dtype(format_), buffer=flat,
+                            strides=(step, samples * item, item)[:dimensions])
     return cast("np.ndarray[Any, Any]", _array_over(raw, found))

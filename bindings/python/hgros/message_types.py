@@ -34,9 +34,18 @@ def _varint(value: int) -> bytes:
     return bytes(out)
 
 
-@functools.lru_cache(maxsize=None)
+_schemas: dict[type[Message], _hgros.Schema] = {}
+
+
 def schema_of(message_type: type[Message]) -> _hgros.Schema:
     """The schema with which other sessions know a class that protoc generated."""
+    known = _schemas.get(message_type)
+    if known is None:
+        known = _schemas[message_type] = _describe(message_type)
+    return known
+
+
+def _describe(message_type: type[Message]) -> _hgros.Schema:
     descriptor = getattr(message_type, "DESCRIPTOR", None)
     if not isinstance(descriptor, Descriptor):
         raise TypeError(f"{message_type!r} is not a class of messages. Give one that protoc generated, such as "

@@ -7,7 +7,7 @@ from typing import Any, Generic, TypeVar
 from google.protobuf.message import Message
 
 from . import _hgros
-from .bulk import BulkMessage, LoanedMessage
+from .bulk import LoanedMessage
 from .errors import Error, raise_unless_ok
 from .message_types import bulk_field
 
@@ -33,8 +33,9 @@ class Publisher(Generic[M]):
         """
         if type(message) is self.message_type:
             status = self._publish(message.SerializeToString(), timeout)
-        elif type(message) is BulkMessage and message.__class__ is self.message_type:
-            wire = message._wire
+        elif isinstance(message, self.message_type):
+            received: Any = message  # A BulkMessage, whose bytes are published as they are.
+            wire = received._wire
             status = (self._raw.publish_wire(wire, timeout) if type(wire) is _hgros.Wire else
                       self._publish(wire, timeout))
         else:

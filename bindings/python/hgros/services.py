@@ -11,6 +11,7 @@ from . import _hgros
 from .errors import Error
 from .log_relay import logger
 from .message_types import decoder, schema_of
+from .stream import wake
 
 if TYPE_CHECKING:
     import asyncio
@@ -71,7 +72,7 @@ class Call(Generic[R]):
         loop = asyncio.get_running_loop()
         while not self._end():
             woken: asyncio.Future[None] = loop.create_future()
-            loop.add_reader(self._ready.fileno(), lambda: woken.done() or woken.set_result(None))
+            loop.add_reader(self._ready.fileno(), wake, woken)
             try:
                 await woken
             finally:

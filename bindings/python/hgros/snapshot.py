@@ -101,8 +101,8 @@ class SessionSnapshot:
 
 
 def _node(values: dict[str, Any]) -> NodeSnapshot:
-    times = {key: Times(**values.pop(key)) for key in ("queue_wait", "run_time")}
-    return NodeSnapshot(**values, **times)
+    queue_wait, run_time = Times(**values.pop("queue_wait")), Times(**values.pop("run_time"))
+    return NodeSnapshot(**values, queue_wait=queue_wait, run_time=run_time)
 
 
 def _channel(values: dict[str, Any]) -> ChannelSnapshot:

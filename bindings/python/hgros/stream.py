@@ -14,6 +14,12 @@ if TYPE_CHECKING:
 M = TypeVar("M")
 
 
+def wake(woken: asyncio.Future[None]) -> None:
+    """Ends a wait in an event loop; it may have ended meanwhile."""
+    if not woken.done():
+        woken.set_result(None)
+
+
 class Messages(Generic[M]):
     """The messages of a channel, one after the other; made by `Session.messages`.
 
@@ -84,7 +90,7 @@ class Messages(Generic[M]):
 
     async def _woken(self, loop: asyncio.AbstractEventLoop) -> None:
         woken: asyncio.Future[None] = loop.create_future()
-        loop.add_reader(self._ready.fileno(), lambda: woken.done() or woken.set_result(None))
+        loop.add_reader(self._ready.fileno(), wake, woken)
         try:
             await woken
         finally:

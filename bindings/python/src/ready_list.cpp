@@ -1,11 +1,12 @@
 #include "ready_list.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <pybind11/pybind11.h>
-#include <signal.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -21,22 +22,77 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// No signal is handled by this thread while it lives, except inside ppoll.
-class BlockedSignals {
+// Into this pipe Python's handler of signals writes, whichever thread it runs on, while the main thread waits.
+class SignalPipe {
  public:
-  BlockedSignals() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  // One for each process: a forked child would read what is meant for its parent.
+  static SignalPipe& OfProcess() {
+    static SignalPipe pipe;
+    if (pipe.pid_ != getpid()) pipe.Open();
+    return pipe;
   }
-  BlockedSignals(const BlockedSignals&) = delete;
-  BlockedSignals& operator=(const BlockedSignals&) = delete;
-  ~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
-  [[nodiscard]] const sigset_t& before() const noexcept { return before_; }
+  [[nodiscard]] int reading() const noexcept { return ends_[0]; }
+  [[nodiscard]] int writing() const noexcept { return ends_[1]; }
+  // Empties it. Another waiter of Python, such as an event loop, gets the signals too.
+  void PassTo(int other) const noexcept {
+    std::array<char, 64> signals{};
+    for (ssize_t count = 0; (count = read(reading(), signals.data(), signals.size())) > 0;) {
+      if (other >= 0) [[maybe_unused]]
+        const auto passed = write(other, signals.data(), static_cast<std::size_t>(count));
+    }
+  }
 
  private:
-  sigset_t before_{};
+  SignalPipe() { Open(); }
+  void Open() {
+    for (const int end : ends_) {
+      if (end >= 0) close(end);
+    }
+    if (pipe2(ends_.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
+      throw Error(std::string("No pipe can be opened: ") + std::strerror(errno) + ".", {},
+                  "Close files that are not needed, or raise the limit with `ulimit -n`.");
+    }
+    pid_ = getpid();
+  }
+
+  std::array<int, 2> ends_{-1, -1};
+  pid_t pid_ = 0;
+};
+
+// Returns the descriptor that was set before; -1: none.
+int SetWakeupDescriptor(int descriptor) {
+  static const pybind11::object& set =  // Never released: Python may be gone by then.
+      *new pybind11::object(pybind11::module_::import("signal").attr("set_wakeup_fd"));
+  return set(descriptor, pybind11::arg("warn_on_full_buffer") = false).cast<int>();
+}
+
+// While it lives, signals of Python end a wait for `descriptor()`. Only the main thread handles signals; for another
+// one it does nothing. Made and destroyed with the GIL.
+class SignalWaker {
+ public:
+  SignalWaker() {
+    if (gettid() != getpid()) return;
+    pipe_ = &SignalPipe::OfProcess();
+    before_ = SetWakeupDescriptor(pipe_->writing());
+  }
+  SignalWaker(const SignalWaker&) = delete;
+  SignalWaker& operator=(const SignalWaker&) = delete;
+  ~SignalWaker() {
+    if (pipe_ == nullptr) return;
+    try {
+      SetWakeupDescriptor(before_);
+    } catch (pybind11::error_already_set& fault) {
+      fault.discard_as_unraisable("hgros");  // The descriptor that was set before was closed meanwhile.
+    }
+    pipe_->PassTo(before_);
+  }
+
+  [[nodiscard]] int descriptor() const noexcept { return pipe_ != nullptr ? pipe_->reading() : -1; }
+
+ private:
+  const SignalPipe* pipe_ = nullptr;
+  int before_ = -1;
 };
 
 // More is as good as forever.
@@ -95,18 +151,19 @@ std::vector<int> ReadyList::Wait(double timeout_s) {
       forever ? Clock::time_point::max()
               : Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
   while (true) {
+    std::array<pollfd, 2> waited{};
     int found = 0;
     {
-      // A signal that comes after Python was asked for signals must end the wait: so it stays pending until ppoll.
-      const BlockedSignals blocked;
+      const SignalWaker signals;
+      // From here on each signal is in the pipe.
       if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
+      waited = {pollfd{descriptor_, POLLIN, 0}, pollfd{signals.descriptor(), POLLIN, 0}};
       const pybind11::gil_scoped_release released;
-      pollfd one{descriptor_, POLLIN, 0};
       const timespec left = forever ? timespec{} : TimeLeft(deadline);
-      found = ppoll(&one, 1, forever ? nullptr : &left, &blocked.before());
+      found = ppoll(waited.data(), waited.size(), forever ? nullptr : &left, nullptr);
     }
-    if (found > 0) return Take();
     if (found == 0) return {};
+    if (found > 0 && waited[0].revents != 0) return Take();
   }
 }
 
