@@ -375,8 +375,12 @@ class Session:
     def spin(self) -> None:
         """Runs callbacks on this thread until `stop` or `close` is called, or Ctrl-C is pressed (KeyboardInterrupt)."""
         with self._Spinning(self) as stops:
-            while not self.closed and self._stops == stops:
-                self._handle(self._ready.wait(-1.0))
+            self._ready.prepare()
+            try:
+                while not self.closed and self._stops == stops:
+                    self._handle(self._ready.wait(-1.0))
+            finally:
+                self._ready.relax()
 
     def spin_once(self, timeout: float = 0.0) -> bool:
         """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether there were any."""

@@ -100,6 +100,7 @@ class Messages(Generic[M]):
         if self._raw is None:
             return None
         found = self._reader.next()
+        _hgros.leave_callback()
         if found is None:
             return None
         message: M

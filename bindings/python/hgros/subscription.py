@@ -25,17 +25,12 @@ class Reader:
         self._schema: _hgros.Schema | None = None
         self._decode: Decode | None = None
         self._refused: set[tuple[str, int]] = set()
-        self._batch: list[Any] = []
+        self.more = False  # Whether others wait behind the last one.
 
     def next(self) -> tuple[Any, _hgros.MessageInfo] | None:
         """The next message that can be read; None if no more wait."""
-        while True:
-            if not self._batch:
-                self._batch = self._inbox.take(_AT_ONCE)
-                if not self._batch:
-                    return None
-                self._batch.reverse()
-            wire, schema, info = self._batch.pop()
+        while (taken := self._inbox.next()) is not None:
+            wire, schema, info, self.more = taken
             if schema is not self._schema:
                 self._use(schema)
             if self._decode is not None:
@@ -44,10 +39,8 @@ class Reader:
                 except DecodeError as fault:
                     logger.warning('A message on channel "%s" cannot be read: %s', self.channel, fault)
             self.not_decoded += 1
-
-    def has_taken(self) -> bool:
-        """Whether next() has messages that are no longer in the inbox."""
-        return bool(self._batch)
+        self.more = False
+        return None
 
     def _use(self, schema: _hgros.Schema) -> None:
         self._schema = schema
@@ -114,25 +107,22 @@ class Subscription:
             raw.end()
 
     def handle_some(self) -> bool:
-        """Calls the callback with some of the messages that wait. Returns whether more were taken from the inbox."""
-        enter, next_, callback = _hgros.enter_callback, self._reader.next, self.callback
-        try:
-            for _ in range(_AT_ONCE):
-                if self._raw is None:
-                    return False
-                found = next_()
-                if found is None:
-                    return False
-                enter(found[1])
-                self.run += 1
-                try:
-                    callback(*found)
-                except Exception:
-                    self.failed += 1
-                    logger.exception('A callback of channel "%s" raised an exception.', self.channel)
-        finally:
-            _hgros.leave_callback()
-        return self._reader.has_taken()
+        """Calls the callback with some of the messages that wait. Returns whether others are left."""
+        reader, callback = self._reader, self.callback
+        for _ in range(_AT_ONCE):
+            if self._raw is None or (found := reader.next()) is None:
+                return False
+            self.run += 1
+            try:
+                callback(*found)
+            except Exception:
+                self.failed += 1
+                logger.exception('A callback of channel "%s" raised an exception.', self.channel)
+            finally:
+                _hgros.leave_callback()
+            if not reader.more:
+                return False
+        return True
 
     def __repr__(self) -> str:
         return f"Subscription({self.channel!r}, {'active' if self.active else 'ended'})"

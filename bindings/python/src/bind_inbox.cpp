@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -23,7 +24,6 @@ constexpr std::size_t kCopiedBytes = 4096;
 // What Python gets beside a message.
 struct Envelope {
   MessageInfo info;
-  Cause cause;
 };
 
 py::bytes AsPyBytes(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
@@ -31,12 +31,6 @@ py::bytes AsPyBytes(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.d
 py::object WireOf(Payload data) {
   if (data.bytes.size() <= kCopiedBytes) return AsPyBytes(data.bytes);
   return py::cast(std::make_unique<Wire>(std::move(data)));
-}
-
-py::object ToPython(Heard& heard) {
-  py::object wire = WireOf(std::move(heard.message.data));
-  return py::make_tuple(std::move(wire), std::const_pointer_cast<MessageSchema>(std::move(heard.message.schema)),
-                        Envelope{heard.info, heard.cause});
 }
 
 py::object ToPython(LogLine& line) { return py::make_tuple(static_cast<int>(line.level), py::str(line.text)); }
@@ -63,9 +57,30 @@ py::list TakeFrom(Inbox& inbox, std::size_t most) {
   std::vector<Arrival> taken = inbox.Take(most);
   py::list list(taken.size());
   for (std::size_t i = 0; i < taken.size(); ++i) {
-    list[i] = std::visit([](auto& one) { return ToPython(one); }, taken[i]);
+    list[i] = std::visit(
+        [](auto& one) -> py::object {
+          if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Heard>) {
+            return py::none();  // Taken by NextOf().
+          } else {
+            return ToPython(one);
+          }
+        },
+        taken[i]);
   }
   return list;
+}
+
+// The next message: wire, schema, info and whether more wait; or none. What this thread publishes from now on was
+// caused by it.
+py::object NextOf(Inbox& inbox) {
+  bool more = false;
+  auto taken = inbox.TakeOne(more);
+  auto* heard = taken ? std::get_if<Heard>(&*taken) : nullptr;
+  if (heard == nullptr) return py::none();
+  current_cause = heard->cause;
+  return py::make_tuple(WireOf(std::move(heard->message.data)),
+                        std::const_pointer_cast<MessageSchema>(std::move(heard->message.schema)), Envelope{heard->info},
+                        more);
 }
 
 void BindInfo(py::module_& module) {
@@ -95,9 +110,6 @@ void BindInfo(py::module_& module) {
         return "MessageInfo(publisher=" + SessionId{one.info.id.publisher}.ToString() +
                ", sequence=" + std::to_string(one.info.id.sequence) + ")";
       });
-  module.def(
-      "enter_callback", [](const Envelope& one) { current_cause = one.cause; },
-      "What this thread publishes from now on was caused by that message.");
   module.def("leave_callback", [] { current_cause = {}; });
 }
 
@@ -136,11 +148,14 @@ void BindInbox(py::module_& module) {
       .def("take", &ReadyList::Take)
       .def("add", &ReadyList::Add, py::arg("key"))
       .def("wake", &ReadyList::Wake)
+      .def_static("prepare", &ReadyList::Prepare)
+      .def_static("relax", &ReadyList::Relax)
       .def("fileno", &ReadyList::descriptor);
   py::class_<Inbox, std::shared_ptr<Inbox>>(module, "Inbox", "A bounded queue from the library to Python.")
       .def(py::init<std::shared_ptr<ReadyList>, int>(), py::arg("ready"), py::arg("key"))
       .def("keep_last", [](Inbox& inbox, std::size_t depth) { inbox.SetQueue(Queue::KeepLast(depth)); })
       .def("take", &TakeFrom, py::arg("most"))
+      .def("next", &NextOf)
       .def("close", &Inbox::Close, py::call_guard<py::gil_scoped_release>())
       .def_property_readonly("dropped", &Inbox::dropped)
       .def_property_readonly("queued", &Inbox::queued);

@@ -57,6 +57,23 @@ std::vector<Arrival> Inbox::Take(std::size_t most) {
   return taken;
 }
 
+std::optional<Arrival> Inbox::TakeOne(bool& more) {
+  std::optional<Arrival> taken;
+  bool lossless = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!arrivals_.empty()) {
+      bytes_ -= BytesOf(arrivals_.front());
+      taken = std::move(arrivals_.front());
+      arrivals_.pop_front();
+    }
+    announced_ = more = !arrivals_.empty();
+    lossless = queue_ && queue_->lossless();
+  }
+  if (lossless) room_.notify_all();
+  return taken;
+}
+
 void Inbox::Close() {
   std::deque<Arrival> left;  // Released after the lock.
   {

@@ -35,6 +35,8 @@ class Inbox {
   void Push(Arrival arrival);
   /// At most `most`, the oldest first; none if there is none.
   [[nodiscard]] std::vector<Arrival> Take(std::size_t most);
+  /// The oldest; empty if there is none. `more` tells whether others wait, for which the list does not get the key.
+  [[nodiscard]] std::optional<Arrival> TakeOne(bool& more);
   /// Ends all waiting. Nothing can be pushed or taken any more.
   void Close();
 

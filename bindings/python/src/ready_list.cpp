@@ -22,13 +22,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Of the main thread: how often Prepare() was called, and what was set before.
+int prepared = 0;
+int before_prepared = -1;
+
 // Into this pipe Python's handler of signals writes, whichever thread it runs on, while the main thread waits.
 class SignalPipe {
  public:
   // One for each process: a forked child would read what is meant for its parent.
   static SignalPipe& OfProcess() {
     static SignalPipe pipe;
-    if (pipe.pid_ != getpid()) pipe.Open();
+    if (pipe.pid_ != getpid()) {
+      prepared = 0;  // For the pipe of the parent.
+      pipe.Open();
+    }
     return pipe;
   }
 
@@ -74,12 +81,17 @@ class SignalWaker {
   SignalWaker() {
     if (gettid() != getpid()) return;
     pipe_ = &SignalPipe::OfProcess();
+    if (prepared > 0) return;
+    set_ = true;
     before_ = SetWakeupDescriptor(pipe_->writing());
   }
   SignalWaker(const SignalWaker&) = delete;
   SignalWaker& operator=(const SignalWaker&) = delete;
   ~SignalWaker() {
-    if (pipe_ == nullptr) return;
+    if (!set_) {
+      if (pipe_ != nullptr) pipe_->PassTo(before_prepared);
+      return;
+    }
     try {
       SetWakeupDescriptor(before_);
     } catch (pybind11::error_already_set& fault) {
@@ -92,6 +104,7 @@ class SignalWaker {
 
  private:
   const SignalPipe* pipe_ = nullptr;
+  bool set_ = false;
   int before_ = -1;
 };
 
@@ -141,6 +154,16 @@ void ReadyList::RingLocked() noexcept {
   rung_ = true;
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = write(descriptor_, &one, sizeof one);
+}
+
+void ReadyList::Prepare() {
+  if (gettid() == getpid() && prepared++ == 0) {
+    before_prepared = SetWakeupDescriptor(SignalPipe::OfProcess().writing());
+  }
+}
+
+void ReadyList::Relax() {
+  if (gettid() == getpid() && prepared > 0 && --prepared == 0) SetWakeupDescriptor(before_prepared);
 }
 
 std::vector<int> ReadyList::Wait(double timeout_s) {

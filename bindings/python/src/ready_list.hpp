@@ -26,6 +26,10 @@ class ReadyList {
   /// Errors: throws what a signal's handler in Python raised, such as KeyboardInterrupt.
   [[nodiscard]] std::vector<int> Wait(double timeout_s);
 
+  /// Until Relax(), waits on the main thread save the time to prepare for signals. Nests; called with the GIL.
+  static void Prepare();
+  static void Relax();
+
   /// Readable while there is something to take.
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
 
