@@ -35,7 +35,7 @@ def messages(cpp_side, rounds, flood):
     """Latencies beside C++, and messages per second."""
     import hgros
 
-    small, large, sums = [], [], 0
+    small, large, written, sums = [], [], [], 0
     with hgros.Session() as robot:
         received = 0
         begin = end = 0.0
@@ -52,6 +52,7 @@ def messages(cpp_side, rounds, flood):
             sums += data[0] + data[-1]
             now = time.monotonic_ns()
             large.append(now - cloud.timestamp.ToNanoseconds())
+            written.append(now - int(cloud.frame_id))
 
         @robot.subscribe("flood", queue=hgros.KeepAll(1000))
         def on_flood(scan, info):
@@ -69,13 +70,14 @@ def messages(cpp_side, rounds, flood):
         out, _ = listener.communicate(timeout=30)
         if talker.wait(30) or listener.returncode or sums != 3 * rounds or len(small) != rounds:
             sys.exit("A message was lost.")
-    cpp_small, cpp_large = (int(word) for word in out.split())
+    cpp_small, cpp_large, cpp_written = (int(word) for word in out.split())
     report("py_latency_us_1KB", statistics.median(small) / 1e3, "us")
     report("cpp_latency_us_1KB", cpp_small / 1e3, "us")
     report("py_latency_over_cpp_us_1KB", (statistics.median(small) - cpp_small) / 1e3, "us")
     report("py_bulk_4MB_us", statistics.median(large) / 1e3, "us")
     report("cpp_bulk_4MB_us", cpp_large / 1e3, "us")
-    report("py_bulk_4MB_over_cpp", statistics.median(large) / cpp_large, "ratio")
+    report("py_bulk_4MB_published_over_cpp", statistics.median(large) / cpp_large, "ratio")
+    report("py_bulk_4MB_over_cpp", statistics.median(written) / cpp_written, "ratio")
     report("py_msgs_s_1KB", flood / (end - begin), "1/s")
 
 
