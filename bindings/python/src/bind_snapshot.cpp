@@ -9,7 +9,7 @@ namespace hgros::python {
 namespace {
 
 namespace py = pybind11;
-using py::literals::operator""_a;
+using py::literals::operator""_a;  // NOLINT(misc-unused-using-decls): clang-tidy 14 does not see its uses
 
 py::dict AsDict(const LogHistogram& times) {
   return py::dict("count"_a = times.count(), "mean_ns"_a = times.mean_ns(), "median_ns"_a = times.Quantile(0.5),
