@@ -22,7 +22,6 @@ class Reader:
         self.not_decoded = 0
         self._inbox = inbox
         self._wanted = wanted
-        self._schema: _hgros.Schema | None = None
         self._decode: Decode | None = None
         self._refused: set[tuple[str, int]] = set()
         self.more = False  # Whether others wait behind the last one.
@@ -31,7 +30,7 @@ class Reader:
         """The next message that can be read; None if no more wait."""
         while (taken := self._inbox.next()) is not None:
             wire, schema, info, self.more = taken
-            if schema is not self._schema:
+            if schema is not None:
                 self._use(schema)
             if self._decode is not None:
                 try:
@@ -43,7 +42,6 @@ class Reader:
         return None
 
     def _use(self, schema: _hgros.Schema) -> None:
-        self._schema = schema
         try:
             self._decode = decoder(schema, self._wanted, self.channel)
         except Error as fault:

@@ -70,17 +70,17 @@ py::list TakeFrom(Inbox& inbox, std::size_t most) {
   return list;
 }
 
-// The next message: wire, schema, info and whether more wait; or none. What this thread publishes from now on was
-// caused by it.
+// The next message: wire, its schema (none if that of the one before), info and whether more wait; or none. What this
+// thread publishes from now on was caused by it.
 py::object NextOf(Inbox& inbox) {
   bool more = false;
   auto taken = inbox.TakeOne(more);
   auto* heard = taken ? std::get_if<Heard>(&*taken) : nullptr;
   if (heard == nullptr) return py::none();
   current_cause = heard->cause;
-  return py::make_tuple(WireOf(std::move(heard->message.data)),
-                        std::const_pointer_cast<MessageSchema>(std::move(heard->message.schema)), Envelope{heard->info},
-                        more);
+  auto schema = std::const_pointer_cast<MessageSchema>(std::move(heard->message.schema));
+  py::object told = inbox.IsNew(schema) ? py::cast(std::move(schema)) : py::none();
+  return py::make_tuple(WireOf(std::move(heard->message.data)), std::move(told), Envelope{heard->info}, more);
 }
 
 void BindInfo(py::module_& module) {

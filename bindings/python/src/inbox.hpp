@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "arrival.hpp"
@@ -37,6 +38,10 @@ class Inbox {
   [[nodiscard]] std::vector<Arrival> Take(std::size_t most);
   /// The oldest; empty if there is none. `more` tells whether others wait, for which the list does not get the key.
   [[nodiscard]] std::optional<Arrival> TakeOne(bool& more);
+  /// Whether `schema` is not that of the last call. For the one thread that takes.
+  [[nodiscard]] bool IsNew(const std::shared_ptr<const MessageSchema>& schema) {
+    return std::exchange(last_schema_, schema) != schema;
+  }
   /// Ends all waiting. Nothing can be pushed or taken any more.
   void Close();
 
@@ -49,6 +54,7 @@ class Inbox {
   const std::shared_ptr<ReadyList> ready_;
   const int key_;
   mutable std::mutex mutex_;
+  std::shared_ptr<const MessageSchema> last_schema_;
   std::condition_variable room_;
   std::deque<Arrival> arrivals_;
   std::size_t bytes_ = 0;
