@@ -14,6 +14,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/codec/dynamic_schema.hpp"
 #include "hgros/codec/schema.hpp"
+#include "hgros/codec/schema_match.hpp"
 #include "hgros/internal/codec/call_message.hpp"
 
 namespace hgros {
@@ -138,6 +139,12 @@ std::shared_ptr<const MessageSchema> SharedSchemaOf(const TypeInfo& type) {
 
 const TypeInfo& RunTimeType(const MessageSchema& schema) { return TypesOf(schema).message; }
 const TypeInfo& RunTimeCallType(const MessageSchema& schema) { return TypesOf(schema).call; }
+
+std::string MisfitOf(const MessageSchema& theirs, const MessageSchema& ours) {
+  return MisfitOf(theirs, RunTimeType(ours));
+}
+
+MessageSchema NamedSchema(const MessageSchema& schema) { return *TypesOf(schema).schema.schema; }
 
 bool AreInterchangeable(const TypeInfo& one, const TypeInfo& other) noexcept {
   if (IsAnyType(one) || IsAnyType(other) || IsSameType(one, other)) return true;

@@ -16,12 +16,12 @@ CODE = re.compile(
 
 PUBLIC = ("include",)
 LIBRARY = ("include", "src")
-PRODUCT = ("include", "src", "apps")
-ALL = ("include", "src", "apps", "tests", "examples", "bench")
+PRODUCT = ("include", "src", "apps", "bindings")
+ALL = ("include", "src", "apps", "bindings", "tests", "examples", "bench")
 
 # (folders, only headers?, pattern in the code, the fault and its fix)
 CODE_RULES = [
-    (("include", "src", "apps", "tests"), False, r"\b(sleep_for|sleep_until|usleep|nanosleep)\b",
+    (("include", "src", "apps", "bindings", "tests"), False, r"\b(sleep_for|sleep_until|usleep|nanosleep)\b",
      "sleeps; wait on something that wakes"),
     (ALL, False, r"\bshared_ptr<\s*void\s*>", "shares a message without its type; keep the type, or const void beside it"),
     (ALL, False, r"\b(?:class|struct|enum|namespace|using)\s+(?:class\s+)?(?:HGROS_EXPORT\s+)?"
@@ -39,10 +39,10 @@ NAME_RULE = re.compile(r"(^|_)(manager|helpers?|utils?|common|misc)(_|$)", re.IG
 HEADERS = {".hpp", ".h"}
 SUFFIXES = HEADERS | {".cpp"}
 
-MAX_FILE_LINES = 400  # in include, src and apps
+MAX_FILE_LINES = 400  # in include, src, apps and bindings
 MAX_PUBLIC_HEADER_LINES = 150
 MAX_SOURCES_PER_FOLDER = 30  # .cpp and .hpp, subfolders not counted
-MAX_CLASS_LINES = 500  # the class and its functions, in all files of include, src and apps
+MAX_CLASS_LINES = 500  # the class and its functions, in all files of include, src, apps and bindings
 
 # Both begin in the first column and end with a brace there.
 CLASS = re.compile(r"(?:template <.*> )?(?:class|struct)\s+(?:HGROS_EXPORT\s+|alignas\([^)]*\)\s+)*(\w+)(?: final)?\s*"

@@ -63,6 +63,8 @@ def owner_of(path):
         return Owner(parts[3], shared=True)
     if parts[0] == "src" and len(parts) > 2:
         return Owner(parts[1])
+    if parts[0] == "bindings":
+        return Owner("/".join(parts[:2]), app=True)
     if parts[0] == "apps":
         return Owner(parts[1] if len(parts) > 2 else "", app=True)
     return None
@@ -132,7 +134,7 @@ def check_tree(root):
     root = pathlib.Path(root).resolve()
     faults = []
     files = 0
-    for top in ("include", "src", "apps"):
+    for top in ("include", "src", "apps", "bindings"):
         for file in sorted((root / top).rglob("*")):
             if file.suffix in SUFFIXES and file.is_file():
                 files += 1

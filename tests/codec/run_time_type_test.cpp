@@ -7,10 +7,12 @@
 #include <cstdlib>
 #include <string>
 
+#include <foxglove/Vector2.pb.h>
 #include <foxglove/Vector3.pb.h>
 
 #include "hgros/base/error.hpp"
 #include "hgros/codec/message.hpp"
+#include "hgros/codec/schema_match.hpp"
 
 namespace hgros {
 namespace {
@@ -73,6 +75,19 @@ TEST(RunTimeType, IsInterchangeableWithTheClassOfItsSchemaOnly) {
   EXPECT_FALSE(AreInterchangeable(RunTimeType({"foxglove.Vector3", Encoding::kProtobuf, 1, {}}), TypeOf<Vector3>()));
   EXPECT_FALSE(AreInterchangeable(RunTimeType({"foxglove.Vector3", Encoding::kCustom, 0, {}}), TypeOf<Vector3>()));
   EXPECT_FALSE(AreInterchangeable(TypeOf<int>(), TypeOf<Vector3>()));
+}
+
+TEST(SchemaMatch, ComparesNameAndSchema) {
+  EXPECT_EQ(MisfitOf(SchemaOfVector(), SchemaOfVector()), "");
+  const std::string misfit = MisfitOf(SchemaOf(TypeOf<foxglove::Vector2>()), SchemaOfVector());
+  EXPECT_NE(misfit.find("foxglove.Vector2 there and foxglove.Vector3 here"), std::string::npos) << misfit;
+  EXPECT_THROW((void)MisfitOf(SchemaOfVector(), MessageSchema{}), Error);
+}
+
+TEST(SchemaMatch, NamedSchemaHasTheFingerprintOfItsDescriptorSet) {
+  MessageSchema schema = SchemaOfVector();
+  schema.fingerprint = 0;
+  EXPECT_EQ(NamedSchema(schema), SchemaOfVector());
 }
 
 TEST(RunTimeType, MessagesAreConvertedBothWays) {

@@ -62,6 +62,14 @@ foreach(folder IN ITEMS ${build}/share/hgros/components ${robot}/share/hgros/com
   endif()
 endforeach()
 
+# The Python package is found where it is installed, and finds the library there.
+file(GLOB python_packages ${prefix}/lib/python*/dist-packages)
+if(python_packages)
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${python_packages} HGROS_DOMAIN=none ${PYTHON} -B -c
+    "import hgros, foxglove.LaserScan_pb2 as m; hgros.Session().advertise('scan', m.LaserScan)"
+    COMMAND_ERROR_IS_FATAL ANY)
+endif()
+
 # The programs start from their install folder.
 execute_process(COMMAND ${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 

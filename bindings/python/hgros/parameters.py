@@ -1,0 +1,104 @@
+"""The parameters of a program."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Sequence, TypeVar
+
+from . import _hgros
+from .errors import Error
+from .log_relay import logger
+
+if TYPE_CHECKING:
+    from .session import Session
+
+V = TypeVar("V", bool, int, float, str, list[int], list[float], list[str])
+Changed = Callable[[list[str]], object]
+AnyChanged = TypeVar("AnyChanged", bound=Changed)
+
+
+class ParamError(Error):
+    """A change of parameters that was refused; nothing has changed."""
+
+
+class _Watch:
+    def __init__(self, inbox: _hgros.Inbox, path: str, callback: Changed) -> None:
+        self.failed = 0
+        self._inbox = inbox
+        self._path = path
+        self._callback = callback
+
+    def end(self) -> None:
+        self._inbox.close()
+
+    def handle_some(self) -> bool:
+        for paths in self._inbox.take(16):
+            try:
+                self._callback(paths)
+            except Exception:
+                self.failed += 1
+                logger.exception('A callback of parameter "%s" raised an exception.', self._path)
+        return False
+
+
+class Parameters:
+    """Parameters from the session's file and from `HGROS_PARAM_...` of the environment; `Session.params`.
+
+    Other sessions read and set them under the session's name, as with `hgros param`. Bounds are checked for every change,
+    wherever it comes from. Made when it is first used.
+    """
+
+    def __init__(self, session: Session, raw: _hgros.Params) -> None:
+        self._session = session
+        self._raw = raw
+        self._types: dict[str, type[Any]] = {}
+
+    def declare(self, path: str, default: V, description: str = "", *, unit: str = "", least: float | None = None,
+                most: float | None = None, choices: Sequence[str] = (), read_only: bool = False) -> V:
+        """Declares a parameter and returns its value: `default` if it was never set.
+
+        From then on it has the default's type and is within the bounds, both included.
+        Raises Error if its current value is not, naming where that was set.
+        """
+        value: V = self._raw.declare(path, default, description, unit, least, most, list(choices), read_only)
+        if isinstance(default, float):
+            self._types[path] = float
+        return value
+
+    def get(self, path: str) -> Any:
+        """The value, or None if there is none. A map is a dict, a list is a list."""
+        value = self._raw.get(path)
+        wanted = self._types.get(path)
+        return value if wanted is None or value is None else wanted(value)
+
+    __getitem__ = get
+
+    def __contains__(self, path: str) -> bool:
+        return self._raw.has(path)
+
+    def set(self, path: str, value: Any) -> None:
+        """Changes one parameter; None removes it, and a declared one returns to its default. Raises ParamError."""
+        self.update({path: value})
+
+    __setitem__ = set
+
+    def update(self, values: dict[str, Any]) -> None:
+        """Changes all of them at once, or none. Raises ParamError with the reason if a value is refused."""
+        refusal = self._raw.set(values)
+        if refusal:
+            raise ParamError(refusal)
+
+    def on_change(self, path: str = "") -> Callable[[AnyChanged], AnyChanged]:
+        """A decorator: calls `callback(paths)` after changes at, below or above `path`, as callbacks run."""
+
+        def decorate(callback: AnyChanged) -> AnyChanged:
+            key, inbox = self._session._new_inbox()
+            inbox.keep_last(1024)
+            self._raw.watch(path, inbox)
+            self._session._add(key, _Watch(inbox, path, callback))
+            return callback
+
+        return decorate
+
+    def save(self) -> None:
+        """Writes values that were set at run time into the session's file, and keeps its comments."""
+        self._raw.save()

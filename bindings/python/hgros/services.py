@@ -1,0 +1,148 @@
+"""Calling services and offering them."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any, Callable, Generator, Generic, TypeVar
+
+from google.protobuf.message import DecodeError, Message
+
+from . import _hgros
+from .errors import Error
+from .log_relay import logger
+from .message_types import decoder, schema_of
+from .stream import wake
+
+if TYPE_CHECKING:
+    import asyncio
+
+R = TypeVar("R")
+
+
+class CallError(Error):
+    """A call that got no reply. `kind` is "no server", "timed out", "handler failed", "server gone", "type mismatch",
+    "full", "cancelled", "would deadlock", "not writable" or "closed"."""
+
+    def __init__(self, kind: str, reason: str) -> None:
+        super().__init__(reason or kind)
+        self.kind = kind
+
+
+class Call(Generic[R]):
+    """A reply that may still come: `call.result()`, or `await call` in asyncio. Dropping it cancels the call."""
+
+    def __init__(self, session: _hgros.Session, name: str, request: Message, reply_type: type[Message] | None,
+                 timeout: float, deadlocks: bool) -> None:
+        self._name = name
+        self._reply_type = reply_type
+        self._deadlocks = deadlocks
+        self._ready = _hgros.ReadyList()
+        self._inbox = _hgros.Inbox(self._ready, 0)
+        self._reply: Any = None
+        self._error: CallError | None = None
+        self._ended = False
+        self._lock = threading.Lock()
+        reply = None if reply_type is None else schema_of(reply_type)
+        self._ticket = _hgros.call(session, name, schema_of(type(request)), request.SerializeToString(), reply, timeout,
+                                   self._inbox)
+
+    def done(self) -> bool:
+        return self._end()
+
+    def cancel(self) -> None:
+        """Ends the call with CallError "cancelled", unless it has ended."""
+        self._ticket.cancel()
+
+    def result(self) -> R:
+        """Waits for the reply and returns it. Raises CallError if there is none."""
+        if self._deadlocks and not self._end():
+            self.cancel()
+            raise CallError("would deadlock", f'The service "{self._name}" of this session is handled by the thread that '
+                            "waits for it. Call it from another thread.")
+        while not self._end():
+            self._ready.wait(-1.0)
+        return self._value()
+
+    def __await__(self) -> Generator[Any, None, R]:
+        return self._awaited().__await__()
+
+    async def _awaited(self) -> R:
+        import asyncio
+
+        loop = asyncio.get_running_loop()
+        while not self._end():
+            woken: asyncio.Future[None] = loop.create_future()
+            loop.add_reader(self._ready.fileno(), wake, woken)
+            try:
+                await woken
+            finally:
+                loop.remove_reader(self._ready.fileno())
+        return self._value()
+
+    def _end(self) -> bool:
+        with self._lock:
+            if not self._ended and (taken := self._inbox.take(1)):
+                wire, schema, kind, reason = taken[0]
+                if kind:
+                    self._error = CallError(kind, reason)
+                else:
+                    try:
+                        self._reply = decoder(schema, self._reply_type, self._name)(wire)
+                    except (DecodeError, Error) as fault:
+                        self._error = CallError("not writable", f"The reply cannot be read: {fault}")
+                self._ended = True
+                self._ready.wake()  # For other threads that wait.
+            return self._ended
+
+    def _value(self) -> R:
+        if self._error is not None:
+            raise self._error
+        value: R = self._reply
+        return value
+
+    def __del__(self) -> None:
+        ticket = getattr(self, "_ticket", None)
+        if ticket is not None and not ticket.done:
+            ticket.cancel()
+
+
+class Service:
+    """Offers a service; made by `Session.serve`. `failed` counts handlers that raised an exception."""
+
+    def __init__(self, raw: _hgros.Service, inbox: _hgros.Inbox, name: str, request_type: type[Message],
+                 reply_type: type[Message], handler: Callable[[Any], Message], end: Callable[[], None]) -> None:
+        self.name = name
+        self.handler = handler
+        self.run = 0
+        self.failed = 0
+        self._raw: _hgros.Service | None = raw
+        self._inbox = inbox
+        self._request_type = request_type
+        self._reply_type = reply_type
+        self._end = end
+
+    def end(self) -> None:
+        """Ends the service. Requests that wait fail."""
+        raw, self._raw = self._raw, None
+        if raw is not None:
+            self._end()
+            raw.end()
+
+    def handle_some(self) -> bool:
+        for wire, schema, answer in self._inbox.take(1):
+            self.run += 1
+            try:
+                request = decoder(schema, self._request_type, self.name)(wire)
+                reply = self.handler(request)
+                if type(reply) is not self._reply_type:
+                    raise TypeError(f'The handler of service "{self.name}" must return '
+                                    f"{self._reply_type.DESCRIPTOR.full_name}, not {type(reply).__name__}.")
+                answer.reply(reply.SerializeToString())
+            except BaseException as fault:
+                self.failed += 1
+                if isinstance(fault, Exception):
+                    logger.exception('The handler of service "%s" raised an exception.', self.name)
+                answer.fail(f"{type(fault).__name__}: {fault}")
+                if not isinstance(fault, Exception):
+                    raise
+        return False

@@ -1,0 +1,497 @@
+"""The session: what a program of Python has of the robot."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import pathlib
+import sys
+import threading
+import weakref
+from types import TracebackType
+from typing import Any, Callable, Iterable, Protocol, TypeVar, overload
+
+from google.protobuf.message import Message
+
+from . import _hgros
+from .bulk import LoanedMessage
+from .errors import Error
+from .log_relay import LogRelay
+from .message_types import schema_of
+from .parameters import Parameters
+from .publisher import Publisher
+from .queues import KeepAll, KeepLast, Queue
+from .services import Call, Service
+from .snapshot import KnownChannel, SessionSnapshot, snapshot_of
+from .stream import Messages
+from .subscription import Reader, Subscription
+from .timers import Rate, Tick, Timer, period_ns
+from .transforms import Transforms
+
+M = TypeVar("M", bound=Message)
+Request = TypeVar("Request", bound=Message)
+Reply = TypeVar("Reply", bound=Message)
+Turn = TypeVar("Turn", bound=Callable[[Tick], object])
+AnyCallback = Callable[[Any, _hgros.MessageInfo], object]
+Callback = TypeVar("Callback", bound=AnyCallback)
+
+_relay: LogRelay | None = None
+_sessions: weakref.WeakSet[Session] = weakref.WeakSet()
+_setup = threading.Lock()
+
+
+class _Handler(Protocol):
+    def handle_some(self) -> bool: ...
+    def end(self) -> None: ...
+
+
+def _log_inbox() -> _hgros.Inbox:
+    global _relay
+    with _setup:
+        if _relay is None:
+            _relay = LogRelay()
+        return _relay.inbox
+
+
+def _program() -> str:
+    return pathlib.PurePath(sys.argv[0] if sys.argv else "").stem.removeprefix("-c") or "python"
+
+
+class Session:
+    """One participant of the robot's hypergraph.
+
+    `file` is a configuration (docs/configuration.md), `text` the same as YAML; without either the session has the
+    default configuration. `sections` are top-level keys of the file that belong to the program. Any thread may use it.
+
+    Callbacks run on the thread that calls `spin`, on the thread that `start` makes, or in asyncio with `spin_async`;
+    never on a thread of the library. Close it, best with a `with` block; at the end of the program it is closed.
+    Raises ConfigError naming file, line and column if the configuration cannot be used.
+    """
+
+    def __init__(self, file: str | os.PathLike[str] | None = None, *, text: str | None = None, name: str | None = None,
+                 sections: Iterable[str] = ()) -> None:
+        if file is not None and text is not None:
+            raise ValueError("Give a file or a text, not both.")
+        self._native = _hgros.Session(None if file is None else os.fspath(file), text, list(sections),
+                                      _program() if name is None else name, _log_inbox())
+        self._ready = _hgros.ReadyList()
+        self._handlers: dict[int, _Handler] = {}
+        self._streams: weakref.WeakSet[Messages[Any] | Rate] = weakref.WeakSet()
+        self._file = None if file is None else os.fspath(file)
+        self._params: Parameters | None = None
+        self._transforms: Transforms | None = None
+        self._serving: set[str] = set()
+        self._spinner: int | None = None
+        self._loaning: dict[str, Publisher[Any]] = {}
+        self._next_key = 0
+        self._lock = threading.RLock()
+        self._spins = threading.Lock()
+        self._stops = 0
+        self._thread: threading.Thread | None = None
+        self._closing = False
+        self._forked = False
+        with _setup:
+            _sessions.add(self)
+
+    # Life.
+
+    @property
+    def id(self) -> str:
+        return self._native.id
+
+    @property
+    def name(self) -> str:
+        return self._native.name
+
+    @property
+    def closed(self) -> bool:
+        return self._closing or self._forked
+
+    def close(self) -> None:
+        """Ends the session: no callback begins any more, and what was published is sent. May be called in a callback."""
+        with self._lock:
+            if self._closing or self._forked:
+                return
+            self._closing = True
+        self._ready.wake()
+        thread = self._thread
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
+        for handler in list(self._handlers.values()):
+            handler.end()
+        for stream in list(self._streams):
+            stream.close()
+        if self._params is not None:
+            self._params._raw.end()
+        if self._transforms is not None:
+            self._transforms._raw.end()
+        self._native.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_forked"):
+            self.close()
+
+    def _use(self) -> _hgros.Session:
+        if self._forked:
+            raise Error("The session belongs to the process that made it, and this one was forked from that. Make the "
+                        "session after the fork.")
+        return self._native
+
+    # Parameters, transforms, counters.
+
+    @property
+    def params(self) -> Parameters:
+        """The parameters of the program."""
+        with self._lock:
+            if self._params is None:
+                self._params = Parameters(self, _hgros.Params(self._use(), self._file))
+            return self._params
+
+    @property
+    def transforms(self) -> Transforms:
+        """The transforms of all sessions."""
+        with self._lock:
+            if self._transforms is None:
+                self._transforms = Transforms(_hgros.Transforms(self._use()))
+            return self._transforms
+
+    def snapshot(self) -> SessionSnapshot:
+        """All counters of the session."""
+        return snapshot_of(_hgros.snapshot(self._use()))
+
+    def channels(self) -> list[KnownChannel]:
+        """All channels that this session knows, also those of other sessions, sorted by name."""
+        return [KnownChannel(**one) for one in _hgros.channels(self._use())]
+
+    # Publishing.
+
+    def advertise(self, channel: str, message_type: type[M], *, latched: int = 0) -> Publisher[M]:
+        """Announces a channel. The last `latched` messages are kept for late subscribers.
+
+        Raises TypeMismatch if the channel has another type in this session.
+        """
+        raw = self._use().advertise(channel, schema_of(message_type), int(latched))
+        return Publisher(raw, channel, message_type)
+
+    def loan(self, channel: str, message_type: type[M], size: int, timeout: float | None = None) -> LoanedMessage[M]:
+        """A message to fill in place and publish; see `Publisher.loan`."""
+        publisher = self._loaning.get(channel)
+        if publisher is None or publisher.message_type is not message_type:
+            publisher = self._loaning[channel] = self.advertise(channel, message_type)
+        return publisher.loan(size, timeout)
+
+    def wait_for_subscribers(self, channel: str, count: int = 1, timeout: float = 5.0) -> bool:
+        """Waits until a channel that this session advertises has subscribers. False if the timeout came first."""
+        return self._wait_in_slices(self._use().wait_for_subscribers, channel, count, timeout)
+
+    def wait_for_publishers(self, channel: str, count: int = 1, timeout: float = 5.0) -> bool:
+        """Waits until other sessions that publish on the channel are connected. False if the timeout came first."""
+        return self._wait_in_slices(self._use().wait_for_publishers, channel, count, timeout)
+
+    @staticmethod
+    def _wait_in_slices(wait: Callable[[str, int, float], bool], channel: str, count: int, timeout: float) -> bool:
+        # No signal ends the library's wait. Between two parts of it Python handles signals.
+        part = 0.05
+        while timeout > part:
+            if wait(channel, count, part):
+                return True
+            timeout -= part
+        return wait(channel, count, max(timeout, 0.0))
+
+    # Subscribing.
+
+    @overload
+    def subscribe(self, channel: str, message_type: type[M], callback: Callable[[M, _hgros.MessageInfo], object], *,
+                  queue: Queue = ..., name: str = ...) -> Subscription: ...
+    @overload
+    def subscribe(self, channel: str, message_type: None = None, *, callback: AnyCallback, queue: Queue = ...,
+                  name: str = ...) -> Subscription: ...
+    @overload
+    def subscribe(self, channel: str, message_type: type[Message] | None = None, callback: None = None, *,
+                  queue: Queue = ..., name: str = ...) -> Callable[[Callback], Callback]: ...
+    def subscribe(self, channel: str, message_type: type[Message] | None = None, callback: Any = None, *,
+                  queue: Queue = KeepLast(), name: str = "") -> Any:
+        """Calls `callback(message, info)` with every message of a channel.
+
+        Without a type, the type comes with the channel. As a decorator it returns the function. An exception of the
+        callback is logged with its traceback and counted; the next message is handled.
+        """
+        if callback is None:
+            def decorate(function: Callback) -> Callback:
+                self._subscribe(channel, message_type, function, queue, name)
+                return function
+            return decorate
+        return self._subscribe(channel, message_type, callback, queue, name)
+
+    def _subscribe(self, channel: str, wanted: type[Message] | None, callback: AnyCallback, queue: Queue,
+                   name: str) -> Subscription:
+        if not callable(callback):
+            raise TypeError(f"The callback of channel \"{channel}\" cannot be called: {callback!r}.")
+        key, inbox = self._new_inbox()
+        raw = self._open(channel, wanted, inbox, queue, name)
+        subscription = Subscription(raw, Reader(inbox, channel, wanted), callback, lambda: self._forget(key))
+        self._add(key, subscription)
+        return subscription
+
+    def _new_inbox(self) -> tuple[int, _hgros.Inbox]:
+        with self._lock:
+            key = self._next_key
+            self._next_key += 1
+        return key, _hgros.Inbox(self._ready, key)
+
+    def _add(self, key: int, handler: _Handler) -> None:
+        self._handlers[key] = handler
+        self._ready.add(key)  # Something may have come before there was a handler.
+
+    def _forget(self, key: int) -> None:
+        self._handlers.pop(key, None)
+
+    def _open(self, channel: str, wanted: type[Message] | None, inbox: _hgros.Inbox, queue: Queue,
+              name: str) -> _hgros.Subscription:
+        if wanted is not None:
+            schema_of(wanted)  # A wrong type is an error here and not at the first message.
+        limit = (queue.limit_bytes or 0) if isinstance(queue, KeepAll) else 0
+        return self._use().subscribe(channel, inbox, isinstance(queue, KeepAll), queue.depth, limit, name)
+
+    @overload
+    def messages(self, channel: str, message_type: type[M], *, timeout: float | None = ..., queue: Queue = ...,
+                 name: str = ...) -> Messages[M]: ...
+    @overload
+    def messages(self, channel: str, message_type: None = None, *, timeout: float | None = ..., queue: Queue = ...,
+                 name: str = ...) -> Messages[Any]: ...
+    def messages(self, channel: str, message_type: type[Message] | None = None, *, timeout: float | None = None,
+                 queue: Queue = KeepLast(), name: str = "") -> Messages[Any]:
+        """The messages of a channel for `for` and `async for`, from now on.
+
+        The loop ends when no message comes for `timeout` seconds. It needs no `spin`, and calls no callbacks.
+        """
+        ready = _hgros.ReadyList()
+        inbox = _hgros.Inbox(ready, 0)
+        raw = self._open(channel, message_type, inbox, queue, name)
+        streams = self._streams
+        stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout, lambda: None)
+        streams.add(stream)
+        return stream
+
+    # Services.
+
+    @overload
+    def call(self, name: str, request: Message, reply_type: type[Reply], *, timeout: float = ...) -> Call[Reply]: ...
+    @overload
+    def call(self, name: str, request: Message, reply_type: None = None, *, timeout: float = ...) -> Call[Any]: ...
+    def call(self, name: str, request: Message, reply_type: type[Message] | None = None, *,
+             timeout: float = 1.0) -> Call[Any]:
+        """Calls a service: `robot.call(...).result()`, or `await robot.call(...)`.
+
+        Without a type of the reply, it is that of the server. Errors are raised as CallError by result() and await.
+        """
+        deadlocks = name in self._serving and self._spinner == threading.get_ident()
+        return Call(self._use(), name, request, reply_type, timeout, deadlocks)
+
+    @overload
+    def serve(self, name: str, request_type: type[Request], reply_type: type[Reply],
+              handler: Callable[[Request], Reply]) -> Service: ...
+    @overload
+    def serve(self, name: str, request_type: type[Request], reply_type: type[Reply],
+              ) -> Callable[[Callable[[Request], Reply]], Callable[[Request], Reply]]: ...
+    def serve(self, name: str, request_type: Any, reply_type: Any, handler: Any = None) -> Any:
+        """Offers a service: `handler(request)` returns the reply, and runs as callbacks do. Also a decorator.
+
+        If the handler raises an exception, that is logged, and the caller gets it as CallError "handler failed".
+        """
+        if handler is None:
+            def decorate(function: Any) -> Any:
+                self.serve(name, request_type, reply_type, function)
+                return function
+            return decorate
+        key, inbox = self._new_inbox()
+        raw = _hgros.serve(self._use(), name, schema_of(request_type), schema_of(reply_type), inbox)
+        self._serving.add(name)
+
+        def forget() -> None:
+            self._serving.discard(name)
+            self._forget(key)
+
+        service = Service(raw, inbox, name, request_type, reply_type, handler, forget)
+        self._add(key, service)
+        return service
+
+    # Time.
+
+    @property
+    def now_ns(self) -> int:
+        """The session's clock in ns: with `time: simulated` that of the simulator, else the system's."""
+        return self._use().now_ns()
+
+    @overload
+    def timer(self, period: float, callback: Callable[[Tick], object], *, name: str = ...) -> Timer: ...
+    @overload
+    def timer(self, period: float, callback: None = None, *, name: str = ...) -> Callable[[Turn], Turn]: ...
+    def timer(self, period: float, callback: Any = None, *, name: str = "") -> Any:
+        """Calls `callback(tick)` every `period` seconds of the session's clock, as callbacks run. Also a decorator.
+
+        Turns that come while callbacks run are skipped and counted in `Tick.missed`.
+        """
+        if callback is None:
+            def decorate(function: Turn) -> Turn:
+                self.timer(period, function, name=name)
+                return function
+            return decorate
+        key, inbox = self._new_inbox()
+        inbox.keep_last(1)
+        name = name or f"python{key}"
+        raw = _hgros.create_timer(self._use(), name, period_ns(period), False, inbox)
+        timer = Timer(raw, inbox, name, callback, lambda: self._forget(key))
+        self._add(key, timer)
+        return timer
+
+    def rate(self, period: float) -> Rate:
+        """For a loop that runs every `period` seconds of the session's clock: `for tick in robot.rate(0.1)`."""
+        key, _ = self._new_inbox()
+        ready = _hgros.ReadyList()
+        inbox = _hgros.Inbox(ready, 0)
+        inbox.keep_last(1)
+        rate = Rate(_hgros.create_timer(self._use(), f"python{key}", period_ns(period), False, inbox), inbox, ready)
+        self._streams.add(rate)
+        return rate
+
+    def sleep(self, seconds: float) -> None:
+        """Sleeps on the session's clock. Raises Error if the session is closed meanwhile."""
+        if seconds > 0:
+            rate = self.rate(seconds)
+            try:
+                rate.sleep()
+            finally:
+                rate.close()
+
+    # Running callbacks.
+
+    def spin(self) -> None:
+        """Runs callbacks on this thread until `stop` or `close` is called, or Ctrl-C is pressed (KeyboardInterrupt)."""
+        with self._Spinning(self) as stops:
+            self._ready.prepare()
+            try:
+                while not self.closed and self._stops == stops:
+                    self._handle(self._ready.wait(-1.0))
+            finally:
+                self._ready.relax()
+
+    def spin_once(self, timeout: float = 0.0) -> bool:
+        """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether there were any."""
+        with self._Spinning(self):
+            keys = self._ready.wait(max(timeout, 0.0))
+            self._handle(keys)
+            return bool(keys)
+
+    def start(self) -> None:
+        """Runs callbacks on a thread of their own until `stop` or `close`; for notebooks and interactive use."""
+        with self._lock:
+            if self._thread is not None and self._thread.is_alive():
+                return
+            self._thread = threading.Thread(target=self.spin, name=f"hgros {self.name}", daemon=True)
+            self._thread.start()
+
+    def stop(self) -> None:
+        """Lets `spin`, `start` or `spin_async` end after the callback that runs. It can be called again after that."""
+        self._stops += 1
+        self._ready.wake()
+
+    async def spin_async(self) -> None:
+        """Runs callbacks in the running event loop of asyncio until `stop` or `close`."""
+        import asyncio
+
+        with self._Spinning(self) as stops:
+            loop = asyncio.get_running_loop()
+            woken = asyncio.Event()
+            loop.add_reader(self._ready.fileno(), woken.set)
+            try:
+                while not self.closed and self._stops == stops:
+                    await woken.wait()
+                    self._handle(self._ready.take())
+                    woken.clear()
+            finally:
+                loop.remove_reader(self._ready.fileno())
+
+    class _Spinning:
+        """One spin at a time: callbacks do not run at the same time as others."""
+
+        def __init__(self, session: Session) -> None:
+            self._session = session
+
+        def __enter__(self) -> int:
+            self._session._use()
+            if not self._session._spins.acquire(blocking=False):
+                raise Error("The session spins already. Only one of spin, spin_once, start and spin_async runs at a "
+                            "time, and not inside a callback.")
+            self._session._spinner = threading.get_ident()
+            return self._session._stops
+
+        def __exit__(self, *error: Any) -> None:
+            self._session._spinner = None
+            self._session._spins.release()
+
+    def _handle(self, keys: list[int]) -> None:
+        keys.reverse()
+        key = -1
+        more = False
+        try:
+            while keys and not self.closed:
+                key = keys.pop()
+                handler = self._handlers.get(key)
+                if handler is None:
+                    continue
+                more = True
+                more = handler.handle_some()
+                if more:
+                    self._ready.add(key)
+                    more = False
+        finally:
+            # After KeyboardInterrupt, what was not handled waits for the next spin.
+            if more:
+                keys.append(key)
+            for left in reversed(keys):
+                self._ready.add(left)
+
+    def __repr__(self) -> str:
+        return f"<hgros.Session {'closed' if self.closed else self.name}>"
+
+
+def _close_all() -> None:
+    global _relay
+    for session in list(_sessions):
+        session.close()
+    with _setup:
+        relay, _relay = _relay, None
+    if relay is not None:
+        relay.end()
+
+
+def _after_fork_in_child() -> None:
+    # The threads of sessions are in the parent. Nothing of them is used or destroyed here.
+    global _relay, _setup
+    _setup = threading.Lock()
+    for session in list(_sessions):
+        session._forked = True
+        _hgros.leave_to_parent(session)
+        _hgros.leave_to_parent(session._native)
+        if session._params is not None:
+            _hgros.leave_to_parent(session._params._raw)
+        if session._transforms is not None:
+            _hgros.leave_to_parent(session._transforms._raw)
+        for stream in list(session._streams):
+            _hgros.leave_to_parent(stream)
+            stream._raw = None
+    _sessions.clear()
+    if _relay is not None:
+        _hgros.leave_to_parent(_relay)
+        _relay = None
+
+
+atexit.register(_close_all)
+os.register_at_fork(after_in_child=_after_fork_in_child)

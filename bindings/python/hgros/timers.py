@@ -1,0 +1,106 @@
+"""Timers and rates on the session's clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable
+
+from . import _hgros
+from .errors import Error
+from .log_relay import logger
+
+
+@dataclass(frozen=True)
+class Tick:
+    """One turn: the planned moment and the clock's time in ns, and the number of turns before it that were skipped."""
+
+    planned_ns: int
+    now_ns: int
+    missed: int
+
+
+def period_ns(period: float) -> int:
+    """A period in seconds as nanoseconds."""
+    if not 1e-9 <= period < 1e9:
+        raise ValueError(f"A period must be above 0 s and below 1e9 s, not {period}.")
+    return round(period * 1e9)
+
+
+class Timer:
+    """Calls a function periodically; made by `Session.timer`. `failed` counts calls that raised an exception."""
+
+    def __init__(self, raw: _hgros.Timer, inbox: _hgros.Inbox, name: str, callback: Callable[[Tick], object],
+                 end: Callable[[], None]) -> None:
+        self.name = name
+        self.callback = callback
+        self.run = 0
+        self.failed = 0
+        self._dropped = 0
+        self._raw: _hgros.Timer | None = raw
+        self._inbox = inbox
+        self._end = end
+
+    def end(self) -> None:
+        """Ends the timer."""
+        raw, self._raw = self._raw, None
+        if raw is not None:
+            self._end()
+            raw.end()
+
+    def handle_some(self) -> bool:
+        for planned, now, missed in self._inbox.take(1):
+            # Turns that came while the callback ran.
+            dropped = self._inbox.dropped
+            missed += dropped - self._dropped
+            self._dropped = dropped
+            self.run += 1
+            try:
+                self.callback(Tick(planned, now, missed))
+            except Exception:
+                self.failed += 1
+                logger.exception('The callback of timer "%s" raised an exception.', self.name)
+        return False
+
+
+class Rate:
+    """Runs a loop at a fixed rate of the session's clock: `for tick in robot.rate(0.1)`, or `rate.sleep()`.
+
+    It does not drift. A turn that was missed is skipped and counted. The loop ends when the session is closed.
+    """
+
+    def __init__(self, raw: _hgros.Timer, inbox: _hgros.Inbox, ready: _hgros.ReadyList) -> None:
+        self._raw: _hgros.Timer | None = raw
+        self._inbox = inbox
+        self._ready = ready
+        self._dropped = 0
+
+    def sleep(self) -> Tick:
+        """Sleeps until the next turn; returns at once if that has passed. Raises Error if the session is closed."""
+        while self._raw is not None:
+            for planned, now, missed in self._inbox.take(1):
+                dropped = self._inbox.dropped
+                missed += dropped - self._dropped
+                self._dropped = dropped
+                return Tick(planned, now, missed)
+            self._ready.wait(-1.0)
+        raise Error("The rate has ended: its session is closed.")
+
+    def __iter__(self) -> Rate:
+        return self
+
+    def __next__(self) -> Tick:
+        try:
+            return self.sleep()
+        except Error:
+            raise StopIteration from None
+
+    def close(self) -> None:
+        """Ends the rate and a loop that uses it."""
+        raw, self._raw = self._raw, None
+        if raw is not None:
+            raw.end()
+            self._ready.wake()
+
+    def __del__(self) -> None:
+        if getattr(self, "_raw", None) is not None:
+            self.close()

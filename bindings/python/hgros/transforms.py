@@ -1,0 +1,91 @@
+"""Where the frames of the robot are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import _hgros
+from .errors import Error
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+
+class TransformError(Error):
+    """Why there is no transform, or why one was refused.
+
+    `fault` is "unknown frame", "not connected", "too old", "too new", or "refused".
+    """
+
+    def __init__(self, fault: str, text: str) -> None:
+        super().__init__(text)
+        self.fault = fault
+
+
+def _ns(stamp: Any) -> int | None:
+    """A stamp in ns, from an int, a google.protobuf.Timestamp, or None."""
+    if stamp is None or isinstance(stamp, int):
+        return stamp
+    try:
+        nanoseconds: int = stamp.ToNanoseconds()
+    except AttributeError:
+        raise TypeError(f"A stamp is a number of ns or a google.protobuf.Timestamp, not {stamp!r}.") from None
+    return nanoseconds
+
+
+class Transforms:
+    """The transforms of all sessions; `Session.transforms`. The first use subscribes to them.
+
+    A transform from `source` to `target` is a 4x4 matrix: it maps points of `source` to `target`, and is the pose of
+    `source` in `target`.
+    """
+
+    def __init__(self, raw: _hgros.Transforms) -> None:
+        self._raw = raw
+
+    def lookup(self, target: str, source: str, stamp: Any = None, *, timeout: float = 0.0) -> npt.NDArray[np.float64]:
+        """The transform at a time, interpolated, or the latest one without a stamp.
+
+        Waits at most `timeout` seconds until there is one. Raises TransformError with the reason if there is none.
+        """
+        return self.lookup_stamped(target, source, stamp, timeout=timeout)[0]
+
+    def lookup_stamped(self, target: str, source: str, stamp: Any = None, *,
+                       timeout: float = 0.0) -> tuple[npt.NDArray[np.float64], int]:
+        """The same, and the time in ns at which it holds; 0 if all edges on the way are static."""
+        import numpy as np
+
+        rows, at, fault, text = self._raw.lookup(target, source, _ns(stamp), timeout)
+        if rows is None:
+            raise TransformError(fault, text)
+        return np.array(rows).reshape(4, 4), at
+
+    def send(self, parent: str, child: str, transform: npt.ArrayLike, stamp: Any) -> None:
+        """Sets and sends the pose of `child` in `parent` at a time. Raises TransformError if it is refused."""
+        if stamp is None:
+            raise TypeError("A transform that moves needs a stamp. For one that does not, use send_static.")
+        self._send(parent, child, transform, _ns(stamp))
+
+    def send_static(self, parent: str, child: str, transform: npt.ArrayLike) -> None:
+        """The same for a pose that never changes; sessions that join later receive it, too."""
+        self._send(parent, child, transform, None)
+
+    def _send(self, parent: str, child: str, transform: npt.ArrayLike, stamp_ns: int | None) -> None:
+        import numpy as np
+
+        matrix = np.asarray(transform, np.float64)
+        rigid = (matrix.shape == (4, 4) and bool(np.all(np.isfinite(matrix)))
+                 and np.allclose(matrix[3], (0, 0, 0, 1), atol=1e-9)
+                 and np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=1e-3)
+                 and np.linalg.det(matrix[:3, :3]) > 0)
+        if not rigid:
+            raise TransformError("refused", f'The transform from "{child}" to "{parent}" is no 4x4 matrix of a rotation '
+                                 f"and a translation: {matrix.tolist()}")
+        refusal = self._raw.send(parent, child, matrix.flatten().tolist(), stamp_ns)
+        if refusal:
+            raise TransformError("refused", refusal)
+
+    def flush(self) -> None:
+        """Sends transforms that wait to be sent together now."""
+        self._raw.flush()

@@ -1,0 +1,186 @@
+#include <pybind11/stl.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings.hpp"
+#include "hgros/params/param_server.hpp"
+#include "hgros/params/param_service.hpp"
+#include "inbox.hpp"
+#include "session_handle.hpp"
+
+namespace hgros::python {
+namespace {
+
+namespace py = pybind11;
+using Released = py::call_guard<py::gil_scoped_release>;
+
+// The parameters of a session's program, which other sessions can read and set.
+class ParamsHandle {
+ public:
+  ParamsHandle(std::shared_ptr<Session> session, const std::optional<std::string>& file)
+      : server_({.files = FilesOf(file), .overrides = ParamOverridesOfEnvironment()}),
+        session_(std::move(session)),
+        service_(std::in_place, *session_, server_) {}
+
+  [[nodiscard]] ParamServer& server() noexcept { return server_; }
+  void Watch(const std::string& path, const std::shared_ptr<Inbox>& inbox) {
+    listening_.push_back(server_.OnChange(path, [inbox](const ParamEvent& event) {
+      ParamsChanged changed;
+      for (const auto& one : event.paths) changed.paths.push_back(one.ToString());
+      inbox->Push(std::move(changed));
+    }));
+  }
+  // The server stays: its values can still be read.
+  void End() {
+    listening_.clear();
+    service_.reset();
+    session_.reset();
+  }
+
+ private:
+  static std::vector<std::filesystem::path> FilesOf(const std::optional<std::string>& file) {
+    if (!file) return {};
+    return {std::filesystem::path(*file)};
+  }
+
+  ParamServer server_;
+  std::shared_ptr<Session> session_;
+  std::optional<ParamService> service_;
+  std::vector<Listening> listening_;
+};
+
+template <class T>
+std::optional<T> Try(const ParamView& view) {
+  try {
+    return view.as<T>();
+  } catch (const ParamError&) {
+    return {};
+  }
+}
+
+// A text that was not quoted is a bool or a number if it looks like one.
+py::object ToPython(const ParamView& view) {
+  if (!view.exists() || view.is_null()) return py::none();
+  const ParamNode& node = *view.node();
+  switch (node.kind) {
+    case ParamNode::Kind::kList: {
+      py::list list;
+      for (std::size_t i = 0; i < view.size(); ++i) list.append(ToPython(view[i]));
+      return list;
+    }
+    case ParamNode::Kind::kMap: {
+      py::dict map;
+      for (const auto& key : view.keys()) map[py::str(key)] = ToPython(view[key]);
+      return map;
+    }
+    default: break;
+  }
+  if (!node.IsString()) {
+    if (const auto flag = Try<bool>(view)) return py::bool_(*flag);
+    if (const auto whole = Try<std::int64_t>(view)) return py::int_(*whole);
+    if (const auto number = Try<double>(view)) return py::float_(*number);
+  }
+  return py::str(node.text);
+}
+
+ParamNode ToNode(const py::handle& value) {
+  if (py::isinstance<py::bool_>(value)) return ParamCodec<bool>::Write(value.cast<bool>());
+  if (py::isinstance<py::int_>(value)) return ParamCodec<std::int64_t>::Write(value.cast<std::int64_t>());
+  if (py::isinstance<py::float_>(value)) return ParamCodec<double>::Write(value.cast<double>());
+  if (py::isinstance<py::str>(value)) return ParamCodec<std::string>::Write(value.cast<std::string>());
+  if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
+    std::vector<ParamNode> items;
+    for (const auto& item : value) items.push_back(ToNode(item));
+    return ParamNode::List(std::move(items));
+  }
+  if (py::isinstance<py::dict>(value)) {
+    std::vector<std::pair<std::string, ParamNode>> entries;
+    for (const auto& [key, item] : value.cast<py::dict>()) entries.emplace_back(key.cast<std::string>(), ToNode(item));
+    return ParamNode::Map(std::move(entries));
+  }
+  throw py::type_error("A parameter is a bool, a number, a text, a list or a dict, not " +
+                       py::str(py::type::handle_of(value).attr("__name__")).cast<std::string>() + ".");
+}
+
+template <class T>
+py::object Declare(ParamServer& server, const std::string& path, const T& fallback, ParamInfo info) {
+  const py::gil_scoped_release released;
+  const T value = server.Declare<T>(path, fallback, std::move(info));
+  const py::gil_scoped_acquire acquired;
+  return py::cast(value);
+}
+
+template <class T>
+bool AllAre(const py::list& list) {
+  for (const auto& item : list) {
+    if (!py::isinstance<T>(item)) return false;
+  }
+  return true;
+}
+
+py::object DeclareList(ParamServer& server, const std::string& path, const py::list& fallback, ParamInfo info) {
+  if (AllAre<py::str>(fallback)) {
+    return Declare(server, path, fallback.cast<std::vector<std::string>>(), std::move(info));
+  }
+  if (AllAre<py::int_>(fallback)) {
+    return Declare(server, path, fallback.cast<std::vector<std::int64_t>>(), std::move(info));
+  }
+  return Declare(server, path, fallback.cast<std::vector<double>>(), std::move(info));
+}
+
+py::object DeclareAny(ParamsHandle& handle, const std::string& path, const py::object& fallback, ParamInfo info) {
+  ParamServer& server = handle.server();
+  if (py::isinstance<py::bool_>(fallback)) return Declare(server, path, fallback.cast<bool>(), std::move(info));
+  if (py::isinstance<py::int_>(fallback)) return Declare(server, path, fallback.cast<std::int64_t>(), std::move(info));
+  if (py::isinstance<py::float_>(fallback)) return Declare(server, path, fallback.cast<double>(), std::move(info));
+  if (py::isinstance<py::str>(fallback)) return Declare(server, path, fallback.cast<std::string>(), std::move(info));
+  if (py::isinstance<py::list>(fallback)) return DeclareList(server, path, fallback.cast<py::list>(), std::move(info));
+  throw py::type_error("The default of a parameter is a bool, a number, a text, or a list of numbers or texts.");
+}
+
+std::string Set(ParamsHandle& handle, const py::dict& values) {
+  std::vector<ParamChange> changes;
+  for (const auto& [path, value] : values) {
+    ParamChange change{path.cast<std::string>(), std::nullopt};
+    if (!value.is_none()) change.value = ToNode(value);
+    changes.push_back(std::move(change));
+  }
+  const py::gil_scoped_release released;
+  return handle.server().Change(changes).refusal;
+}
+
+}  // namespace
+
+void BindParams(py::module_& module) {
+  py::class_<ParamsHandle>(module, "Params", "The parameters of a program.")
+      .def(py::init([](const SessionHandle& session, const std::optional<std::string>& file) {
+             return std::make_unique<ParamsHandle>(session.Use(), file);
+           }),
+           Released(), py::arg("session"), py::arg("file"))
+      .def("get",
+           [](ParamsHandle& handle, const std::string& path) { return ToPython(handle.server().Snapshot().At(path)); })
+      .def("has",
+           [](ParamsHandle& handle, const std::string& path) { return handle.server().Snapshot().At(path).exists(); })
+      .def(
+          "declare",
+          [](ParamsHandle& handle, const std::string& path, const py::object& fallback, const std::string& description,
+             const std::string& unit, std::optional<double> least, std::optional<double> most,
+             const std::vector<std::string>& choices, bool read_only) {
+            return DeclareAny(handle, path, fallback, {description, unit, least, most, choices, read_only});
+          },
+          py::arg("path"), py::arg("fallback"), py::arg("description"), py::arg("unit"), py::arg("least"),
+          py::arg("most"), py::arg("choices"), py::arg("read_only"))
+      .def("set", &Set, py::arg("values"))
+      .def("watch", &ParamsHandle::Watch, Released(), py::arg("path"), py::arg("inbox"))
+      .def(
+          "save", [](ParamsHandle& handle) { handle.server().Save(); }, Released())
+      .def("end", &ParamsHandle::End, Released());
+}
+
+}  // namespace hgros::python

@@ -1,0 +1,105 @@
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bindings.hpp"
+#include "session_handle.hpp"
+
+namespace hgros::python {
+namespace {
+
+namespace py = pybind11;
+
+std::chrono::nanoseconds Nanoseconds(double seconds) {
+  constexpr double kMost = 1e9;
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(seconds < kMost ? seconds : kMost));
+}
+
+Config ConfigOf(const std::optional<std::string>& file, const std::optional<std::string>& text,
+                const std::vector<std::string>& sections) {
+  if (file) {
+    const std::filesystem::path path(*file);
+    return Config::Load({&path, 1}, sections);
+  }
+  return text ? Config::Parse(*text, "text") : Config();
+}
+
+Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes) {
+  if (!lossless) return Queue::KeepLast(depth);
+  return Queue::KeepAll(depth, limit_bytes > 0 ? limit_bytes : Queue::kUnlimitedBytes);
+}
+
+void BindSubscription(py::module_& module) {
+  py::class_<SubscriptionHandle>(module, "Subscription", "Keeps a subscription.")
+      .def("end", &SubscriptionHandle::End, py::call_guard<py::gil_scoped_release>())
+      .def_property_readonly("name", [](const SubscriptionHandle& one) { return one.subscription().name(); })
+      .def_property_readonly("received",
+                             [](const SubscriptionHandle& one) { return one.subscription().stats().received; })
+      .def_property_readonly(
+          "dropped", [](SubscriptionHandle& one) { return one.subscription().stats().dropped + one.inbox().dropped(); })
+      .def_property_readonly(
+          "queued", [](SubscriptionHandle& one) { return one.subscription().stats().queued + one.inbox().queued(); });
+}
+
+}  // namespace
+
+void BindSession(py::module_& module) {
+  BindSubscription(module);
+  // In a process that was forked, for objects whose threads are in the parent.
+  module.def(
+      "leave_to_parent", [](const py::object& object) { object.inc_ref(); }, "Never destroys the object.");
+  using Released = py::call_guard<py::gil_scoped_release>;
+  py::class_<SessionHandle, std::shared_ptr<SessionHandle>>(module, "Session", "A session of C++.")
+      .def(py::init([](const std::optional<std::string>& file, const std::optional<std::string>& text,
+                       const std::vector<std::string>& sections, const std::string& name,
+                       const std::shared_ptr<Inbox>& log) {
+             const py::gil_scoped_release released;
+             return std::make_shared<SessionHandle>(ConfigOf(file, text, sections), name, log);
+           }),
+           py::arg("file"), py::arg("text"), py::arg("sections"), py::arg("name"), py::arg("log"))
+      .def("close", &SessionHandle::Close, Released())
+      .def_property_readonly("closed", &SessionHandle::closed)
+      .def_property_readonly("id", [](const SessionHandle& one) { return one.Use()->id().ToString(); })
+      .def_property_readonly("name", [](const SessionHandle& one) { return one.Use()->name(); })
+      .def(
+          "now_ns", [](const SessionHandle& one) { return one.Use()->clock()->Now().nanoseconds; }, Released())
+      .def(
+          "subscribe",
+          [](SessionHandle& one, const std::string& channel, const std::shared_ptr<Inbox>& inbox, bool lossless,
+             std::size_t depth, std::size_t limit_bytes, const std::string& name) {
+            NodeOptions options;
+            options.name = name;
+            options.queue = QueueOf(lossless, depth, limit_bytes);
+            return one.Subscribe(channel, inbox, options);
+          },
+          Released(), py::arg("channel"), py::arg("inbox"), py::arg("lossless"), py::arg("depth"),
+          py::arg("limit_bytes"), py::arg("name"))
+      .def(
+          "advertise",
+          [](SessionHandle& one, const std::string& channel, const MessageSchema& schema, std::size_t latched) {
+            const auto session = one.Use();
+            return std::make_unique<PublisherHandle>(
+                session, channel, session->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}));
+          },
+          Released(), py::arg("channel"), py::arg("schema"), py::arg("latched"))
+      .def(
+          "wait_for_subscribers",
+          [](SessionHandle& one, const std::string& channel, std::size_t count, double timeout) {
+            return one.Use()->WaitForSubscribers(channel, count, Nanoseconds(timeout));
+          },
+          Released(), py::arg("channel"), py::arg("count"), py::arg("timeout"))
+      .def(
+          "wait_for_publishers",
+          [](SessionHandle& one, const std::string& channel, std::size_t count, double timeout) {
+            return one.Use()->WaitForPublishers(channel, count, Nanoseconds(timeout));
+          },
+          Released(), py::arg("channel"), py::arg("count"), py::arg("timeout"));
+}
+
+}  // namespace hgros::python

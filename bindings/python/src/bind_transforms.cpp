@@ -1,0 +1,133 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "bindings.hpp"
+#include "hgros/base/error.hpp"
+#include "hgros/tf/transforms.hpp"
+#include "session_handle.hpp"
+
+namespace hgros::python {
+namespace {
+
+namespace py = pybind11;
+using Released = py::call_guard<py::gil_scoped_release>;
+using Clock = std::chrono::steady_clock;
+using Matrix = std::array<double, 16>;  // Row by row.
+
+// A wait for a transform cannot be woken by a signal, so Python is asked for signals this often.
+constexpr std::chrono::milliseconds kSignalsEvery{20};
+constexpr double kLongestWaitS = 1e9;
+
+// The transforms of a session, which must end before it.
+class TransformsHandle {
+ public:
+  explicit TransformsHandle(std::shared_ptr<Session> session)
+      : session_(std::move(session)), used_(std::make_shared<Transforms>(*session_)) {}
+  /// Errors: throws Error after End().
+  [[nodiscard]] std::shared_ptr<Transforms> used() const {
+    const std::scoped_lock lock(mutex_);
+    if (!used_) throw Error("The session of the transforms is closed.");
+    return used_;
+  }
+  void End() {
+    std::shared_ptr<Session> session;  // Released last.
+    std::shared_ptr<Transforms> used;
+    const std::scoped_lock lock(mutex_);
+    session.swap(session_);
+    used.swap(used_);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<Session> session_;
+  std::shared_ptr<Transforms> used_;
+};
+
+RigidTransform FromMatrix(const Matrix& rows) {
+  Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      isometry.matrix()(row, column) = rows[static_cast<std::size_t>(4 * row + column)];
+    }
+  }
+  return RigidTransform(isometry);
+}
+
+Matrix ToMatrix(const RigidTransform& transform) {
+  const Eigen::Matrix4d matrix = transform.Isometry().matrix();
+  Matrix rows{};
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) rows[static_cast<std::size_t>(4 * row + column)] = matrix(row, column);
+  }
+  return rows;
+}
+
+// In the order of TransformFault.
+constexpr std::array<const char*, 7> kFaults{"",        "unknown frame", "not connected", "too old",
+                                             "too new", "timeout",       "stopped"};
+
+py::tuple ToPython(const TransformResult& result) {
+  if (!result)
+    return py::make_tuple(py::none(), 0, kFaults.at(static_cast<std::size_t>(result.fault())), result.text());
+  return py::make_tuple(ToMatrix(result->T_target_source), result->stamp.nanoseconds, "", "");
+}
+
+TransformResult Find(Transforms& transforms, const std::string& target, const std::string& source,
+                     std::optional<std::int64_t> stamp_ns) {
+  const py::gil_scoped_release released;
+  return stamp_ns ? transforms.FromTF(target, source, Time{*stamp_ns}) : transforms.FromTF(target, source);
+}
+
+TransformResult WaitPart(Transforms& transforms, const std::string& target, const std::string& source,
+                         std::optional<std::int64_t> stamp_ns, Clock::time_point deadline) {
+  const py::gil_scoped_release released;
+  TransformTree& tree = transforms.tree();
+  TransformQuery query(tree.Frame(target), tree.Frame(source));
+  if (stamp_ns) query.source_time = Time{*stamp_ns};
+  const auto left = std::chrono::duration_cast<Duration>(deadline - Clock::now());
+  return tree.Wait(query, std::clamp<Duration>(left, Duration(0), kSignalsEvery));
+}
+
+py::tuple Lookup(TransformsHandle& handle, const std::string& target, const std::string& source,
+                 std::optional<std::int64_t> stamp_ns, double timeout_s) {
+  const auto used = handle.used();
+  TransformResult result = Find(*used, target, source, stamp_ns);
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(std::clamp(timeout_s, 0.0, kLongestWaitS)));
+  while (!result && Clock::now() < deadline) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (WaitPart(*used, target, source, stamp_ns, deadline)) break;
+  }
+  // Once more, for the reason why there is none.
+  return ToPython(result ? result : Find(*used, target, source, stamp_ns));
+}
+
+std::string Send(TransformsHandle& handle, const std::string& parent, const std::string& child, const Matrix& pose,
+                 std::optional<std::int64_t> stamp_ns) {
+  const RigidTransform T_parent_child = FromMatrix(pose);
+  return stamp_ns ? handle.used()->ToTF(Time{*stamp_ns}, parent, child, T_parent_child).text()
+                  : handle.used()->ToStaticTF(parent, child, T_parent_child).text();
+}
+
+}  // namespace
+
+void BindTransforms(py::module_& module) {
+  py::class_<TransformsHandle>(module, "Transforms", "The transforms of a session.")
+      .def(py::init([](const SessionHandle& session) { return std::make_unique<TransformsHandle>(session.Use()); }),
+           Released(), py::arg("session"))
+      .def("lookup", &Lookup, py::arg("target"), py::arg("source"), py::arg("stamp_ns"), py::arg("timeout"))
+      .def("end", &TransformsHandle::End, Released())
+      .def("send", &Send, Released(), py::arg("parent"), py::arg("child"), py::arg("pose"), py::arg("stamp_ns"))
+      .def(
+          "flush", [](TransformsHandle& handle) { handle.used()->Flush(); }, Released());
+}
+
+}  // namespace hgros::python

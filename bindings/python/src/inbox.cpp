@@ -1,0 +1,98 @@
+#include "inbox.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace hgros::python {
+
+void Inbox::SetQueue(const Queue& queue) {
+  std::deque<Arrival> dropped;  // Released after the lock.
+  const std::scoped_lock lock(mutex_);
+  queue_ = queue;
+  while (!queue.lossless() && arrivals_.size() > queue.depth()) {
+    bytes_ -= BytesOf(arrivals_.front());
+    dropped.push_back(std::move(arrivals_.front()));
+    arrivals_.pop_front();
+    ++dropped_;
+  }
+}
+
+bool Inbox::HasRoomLocked() const noexcept {
+  if (!queue_ || !queue_->lossless() || arrivals_.empty()) return true;
+  return arrivals_.size() < std::min(queue_->depth(), kLosslessRoom) && bytes_ < kLosslessBytes;
+}
+
+void Inbox::Push(Arrival arrival) {
+  std::optional<Arrival> oldest;  // Released after the lock.
+  std::unique_lock lock(mutex_);
+  room_.wait(lock, [this] { return closed_ || HasRoomLocked(); });
+  if (closed_) return;
+  if (queue_ && !queue_->lossless() && arrivals_.size() >= queue_->depth()) {
+    bytes_ -= BytesOf(arrivals_.front());
+    oldest = std::move(arrivals_.front());
+    arrivals_.pop_front();
+    ++dropped_;
+  }
+  bytes_ += BytesOf(arrival);
+  arrivals_.push_back(std::move(arrival));
+  if (std::exchange(announced_, true)) return;
+  ready_->Add(key_);
+}
+
+std::vector<Arrival> Inbox::Take(std::size_t most) {
+  std::vector<Arrival> taken;
+  {
+    const std::scoped_lock lock(mutex_);
+    const std::size_t count = std::min(most, arrivals_.size());
+    taken.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      bytes_ -= BytesOf(arrivals_.front());
+      taken.push_back(std::move(arrivals_.front()));
+      arrivals_.pop_front();
+    }
+    announced_ = !arrivals_.empty();
+    if (announced_) ready_->Add(key_);
+  }
+  room_.notify_all();
+  return taken;
+}
+
+std::optional<Arrival> Inbox::TakeOne(bool& more) {
+  std::optional<Arrival> taken;
+  bool lossless = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!arrivals_.empty()) {
+      bytes_ -= BytesOf(arrivals_.front());
+      taken = std::move(arrivals_.front());
+      arrivals_.pop_front();
+    }
+    announced_ = more = !arrivals_.empty();
+    lossless = queue_ && queue_->lossless();
+  }
+  if (lossless) room_.notify_all();
+  return taken;
+}
+
+void Inbox::Close() {
+  std::deque<Arrival> left;  // Released after the lock.
+  {
+    const std::scoped_lock lock(mutex_);
+    closed_ = true;
+    left.swap(arrivals_);
+    bytes_ = 0;
+  }
+  room_.notify_all();
+}
+
+std::uint64_t Inbox::dropped() const {
+  const std::scoped_lock lock(mutex_);
+  return dropped_;
+}
+
+std::size_t Inbox::queued() const {
+  const std::scoped_lock lock(mutex_);
+  return arrivals_.size();
+}
+
+}  // namespace hgros::python

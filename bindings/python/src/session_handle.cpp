@@ -1,0 +1,89 @@
+#include "session_handle.hpp"
+
+#include <cstring>
+#include <utility>
+
+#include "hgros/base/error.hpp"
+
+namespace hgros::python {
+namespace {
+
+// From here on, one more copy costs more than asking for memory that receivers read.
+constexpr std::size_t kLoanFrom = 64 * 1024;
+
+}  // namespace
+
+void SubscriptionHandle::End() {
+  inbox_->Close();  // First: its thread may wait for room.
+  subscription_.Reset();
+}
+
+SessionHandle::SessionHandle(Config config, const std::string& name, std::shared_ptr<Inbox> log)
+    : session_(std::make_shared<Session>(
+          std::move(config),
+          SessionOptions{.name = name, .log = [inbox = std::move(log)](LogLevel level, std::string_view text) {
+                           inbox->Push(LogLine{level, std::string(text)});
+                         }})) {}
+
+std::shared_ptr<Session> SessionHandle::Use() const {
+  const std::scoped_lock lock(mutex_);
+  if (!session_) {
+    throw Error("The session is closed.", {}, "Use it before close(), or inside its `with` block.");
+  }
+  return session_;
+}
+
+void SessionHandle::Close() {
+  std::shared_ptr<Session> last;
+  const std::unique_lock lock(mutex_);
+  last.swap(session_);
+}
+
+bool SessionHandle::closed() const {
+  const std::scoped_lock lock(mutex_);
+  return session_ == nullptr;
+}
+
+std::unique_ptr<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel,
+                                                             const std::shared_ptr<Inbox>& inbox,
+                                                             const NodeOptions& options) {
+  const auto session = Use();
+  const auto put = [inbox](const std::shared_ptr<const RawMessage>& message, const MessageInfo& info) {
+    inbox->Push(Heard{*message, info, Cause::Here()});
+  };
+  NodeOptions chosen = options;
+  // A lossless inbox holds its thread; others only put a message into it.
+  chosen.executor = options.queue.lossless() ? Executor::Dedicated() : Executor::Inline();
+  auto subscription = session->FromAnyRaw(channel, Invoke::kSerial, put, chosen);
+  NodeSnapshot made = subscription.stats();
+  if (made.queue.lossless() && made.executor.kind() == Executor::Kind::kInline) {
+    // The configuration has made the queue lossless.
+    subscription.Reset();
+    chosen.executor = Executor::Dedicated();
+    subscription = session->FromAnyRaw(channel, Invoke::kSerial, put, chosen);
+    made = subscription.stats();
+  }
+  inbox->SetQueue(made.queue);
+  return std::make_unique<SubscriptionHandle>(std::move(subscription), inbox);
+}
+
+PublishStatus PublisherHandle::Publish(Bytes bytes,
+                                       std::optional<std::chrono::steady_clock::time_point> deadline) const {
+  if (bytes.size() < kLoanFrom) return Publish(Payload{bytes, nullptr}, deadline);
+  Block block = Loan(bytes.size());
+  std::memcpy(block.writable().data(), bytes.data(), bytes.size());
+  return Publish(block.payload(), deadline);
+}
+
+PublishStatus PublisherHandle::Publish(const Payload& data,
+                                       std::optional<std::chrono::steady_clock::time_point> deadline) const {
+  const CauseScope cause(current_cause);
+  return deadline ? publish_.Wait(data, *deadline) : publish_(data);
+}
+
+Block PublisherHandle::Loan(std::size_t size_bytes) const {
+  const auto session = session_.lock();
+  return session ? std::move(*session->Loan<Block>(channel_, size_bytes)) : Block::Allocate(size_bytes);
+}
+
+}  // namespace hgros::python

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hgros/codec/block.hpp"
+#include "hgros/graph/raw_publisher.hpp"
+#include "hgros/graph/subscription.hpp"
+#include "hgros/session/session.hpp"
+#include "inbox.hpp"
+
+namespace hgros::python {
+
+/// Keeps a subscription and its inbox.
+class SubscriptionHandle {
+ public:
+  SubscriptionHandle(Subscription subscription, std::shared_ptr<Inbox> inbox)
+      : inbox_(std::move(inbox)), subscription_(std::move(subscription)) {}
+  SubscriptionHandle(const SubscriptionHandle&) = delete;
+  SubscriptionHandle& operator=(const SubscriptionHandle&) = delete;
+  ~SubscriptionHandle() { End(); }
+
+  [[nodiscard]] Inbox& inbox() noexcept { return *inbox_; }
+  [[nodiscard]] const Subscription& subscription() const noexcept { return subscription_; }
+  /// Waits for a message that is being put into the inbox. Call it without the GIL.
+  void End();
+
+ private:
+  const std::shared_ptr<Inbox> inbox_;
+  Subscription subscription_;
+};
+
+/// A session and what Python may do with it. Closing it is safe while other threads use it.
+class SessionHandle {
+ public:
+  SessionHandle(Config config, const std::string& name, std::shared_ptr<Inbox> log);
+
+  /// The session. Errors: throws Error after Close().
+  [[nodiscard]] std::shared_ptr<Session> Use() const;
+  /// Ends the session, or lets the last thread that uses it do that. Call it without the GIL.
+  void Close();
+  [[nodiscard]] bool closed() const;
+
+  [[nodiscard]] std::unique_ptr<SubscriptionHandle> Subscribe(const std::string& channel,
+                                                              const std::shared_ptr<Inbox>& inbox,
+                                                              const NodeOptions& options);
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<Session> session_;
+};
+
+/// Publishes bytes, with the cause of the callback that runs on this thread.
+class PublisherHandle {
+ public:
+  PublisherHandle(std::shared_ptr<Session> session, std::string channel, RawPublisher publish)
+      : session_(session), channel_(std::move(channel)), publish_(std::move(publish)) {}
+
+  /// Copies the bytes once, into memory that receivers read if there is such memory. Call it without the GIL if it may
+  /// take long: with many bytes or a time to wait.
+  [[nodiscard]] PublishStatus Publish(Bytes bytes, std::optional<std::chrono::steady_clock::time_point> deadline) const;
+  [[nodiscard]] PublishStatus Publish(const Payload& data,
+                                      std::optional<std::chrono::steady_clock::time_point> deadline) const;
+  [[nodiscard]] Block Loan(std::size_t size_bytes) const;
+  [[nodiscard]] const RawPublisher& raw() const noexcept { return publish_; }
+  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
+
+ private:
+  std::weak_ptr<Session> session_;
+  std::string channel_;
+  RawPublisher publish_;
+};
+
+/// What this thread's callback in Python handles; empty outside callbacks.
+inline thread_local Cause current_cause;
+
+}  // namespace hgros::python

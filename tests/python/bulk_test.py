@@ -1,0 +1,155 @@
+import gc
+import json
+
+import numpy as np
+from google.protobuf import json_format
+from support import RobotTest, main
+
+import hgros
+from foxglove.Log_pb2 import Log
+from foxglove.PackedElementField_pb2 import PackedElementField
+from foxglove.PointCloud_pb2 import PointCloud
+from foxglove.RawImage_pb2 import RawImage
+
+
+def describe(cloud):
+    cloud.frame_id = "laser"
+    cloud.point_stride = 16
+    for at, name in enumerate("xyz"):
+        cloud.fields.add(name=name, offset=4 * at, type=PackedElementField.FLOAT32)
+
+
+def cloud_of(count):
+    cloud = PointCloud()
+    describe(cloud)
+    points = np.zeros(count, hgros.points(cloud).dtype)
+    points["x"] = np.arange(count)
+    cloud.data = points.tobytes()
+    return cloud
+
+
+class Bulk(RobotTest):
+    def setUp(self):
+        super().setUp()
+        self.robot, self.other = self.session(), self.session()
+        self.messages = self.other.messages("points", timeout=10, queue=hgros.KeepAll(10))
+        self.publisher = self.robot.advertise("points", PointCloud)
+        self.assertTrue(self.robot.wait_for_subscribers("points", timeout=10))
+
+    def test_received_cloud_is_an_array_over_the_memory_where_it_arrived(self):
+        self.publisher.publish(cloud_of(10000))
+        cloud = next(self.messages)
+        self.assertIsInstance(cloud, PointCloud)
+        self.assertEqual(cloud.frame_id, "laser")
+        points = hgros.points(cloud)
+        self.assertEqual(points["x"][-1], 9999)
+        self.assertFalse(points.flags.writeable)
+        self.assertFalse(points.flags.owndata)
+        with self.assertRaises(ValueError):
+            points["x"][0] = 1
+        self.assertTrue(np.shares_memory(points, np.frombuffer(cloud.data, np.uint8)))
+
+    def test_array_keeps_the_memory_as_its_only_owner(self):
+        self.publisher.publish(cloud_of(10000))
+        x = hgros.points(next(self.messages))["x"]
+        gc.collect()
+        self.assertEqual(hgros.leases()[0], 1)
+        self.assertGreaterEqual(hgros.leases()[1], 160000)
+        for _ in range(5):
+            self.publisher.publish(cloud_of(10000))
+            next(self.messages)
+        self.assertEqual(x[5000], 5000)
+        del x
+        gc.collect()
+        self.assertEqual(hgros.leases(), (0, 0))
+
+    def test_message_is_an_ordinary_copy(self):
+        sent = cloud_of(3)
+        self.publisher.publish(sent)
+        received = next(self.messages)
+        copy = hgros.message(received)
+        self.assertIs(type(copy), PointCloud)
+        self.assertEqual(copy, sent)
+        self.assertEqual(received, sent)
+        self.assertEqual(received.SerializeToString(), bytes(received._wire))
+        self.assertEqual(json.loads(json_format.MessageToJson(received))["frameId"], "laser")
+        with self.assertRaisesRegex(AttributeError, "read-only"):
+            received.frame_id = "other"
+
+    def test_received_message_is_published_again_without_a_copy(self):
+        self.publisher.publish(cloud_of(10000))
+        again = self.robot.messages("again", timeout=10)
+        publisher = self.other.advertise("again", PointCloud)
+        self.assertTrue(self.other.wait_for_subscribers("again", timeout=15))
+        publisher.publish(next(self.messages))
+        self.assertEqual(hgros.points(next(again))["x"][-1], 9999)
+
+    def test_loan_is_filled_and_published_in_place(self):
+        with self.robot.loan("points", PointCloud, 160000) as cloud:
+            describe(cloud)
+            points = hgros.points(cloud)
+            points["x"] = np.arange(10000)
+            points["y"] = 2
+        received = hgros.points(next(self.messages))
+        self.assertEqual((received["x"][9999], received["y"][0]), (9999, 2))
+        self.assertFalse(points.flags.writeable)
+
+    def test_loan_is_not_published_after_an_exception(self):
+        with self.assertRaises(KeyError), self.robot.loan("points", PointCloud, 16):
+            raise KeyError
+        self.messages.timeout = 0.05
+        self.assertEqual(list(self.messages), [])
+
+    def test_loan_with_large_other_fields_is_published(self):
+        with self.publisher.loan(32) as cloud:
+            describe(cloud)
+            cloud.frame_id = "f" * 5000
+            cloud.data = bytes(range(32))
+        received = next(self.messages)
+        self.assertEqual((received.frame_id, bytes(received.data)), ("f" * 5000, bytes(range(32))))
+
+    def test_loan_needs_a_type_with_one_large_field(self):
+        with self.assertRaisesRegex(hgros.Error, "foxglove.Log has no field for a loan"):
+            self.robot.loan("log", Log, 10)
+
+    def test_description_that_does_not_fit_is_an_error(self):
+        for change, text in ((lambda c: setattr(c, "data", c.data[:-1]), "no multiple of its stride"),
+                             (lambda c: setattr(c, "point_stride", 8), "ends after the stride"),
+                             (lambda c: setattr(c, "point_stride", 0), "ends after the stride|describes no points"),
+                             (lambda c: c.fields.add(name="x", type=7), 'two fields "x"'),
+                             (lambda c: c.fields.add(name="w"), "unknown type 0"),
+                             (lambda c: c.ClearField("fields"), "describes no points")):
+            cloud = cloud_of(2)
+            change(cloud)
+            with self.assertRaisesRegex(hgros.Error, text):
+                hgros.points(cloud)
+
+    def test_image_is_an_array_with_the_rows_of_its_step(self):
+        rows = np.arange(4 * 12, dtype=np.uint8).reshape(4, 12)
+        image = RawImage(width=3, height=4, step=12, encoding="rgb8", data=rows.tobytes())
+        pixels = hgros.image(image)
+        self.assertEqual(pixels.shape, (4, 3, 3))
+        np.testing.assert_array_equal(pixels, rows[:, :9].reshape(4, 3, 3))
+        depth = RawImage(width=2, height=1, step=4, encoding="16UC1", data=b"\x01\x00\x00\x01")
+        self.assertEqual(hgros.image(depth).tolist(), [[1, 256]])
+        image.encoding = "h264"
+        with self.assertRaisesRegex(hgros.Error, 'encoding "h264" of the image is unknown'):
+            hgros.image(image)
+        image.encoding, image.step = "rgb8", 13
+        with self.assertRaisesRegex(hgros.Error, "fewer than 4 rows"):
+            hgros.image(image)
+        image.step = 8
+        with self.assertRaisesRegex(hgros.Error, "more than its step"):
+            hgros.image(image)
+
+    def test_messages_of_another_type_are_counted(self):
+        log = self.robot.advertise("raw", Log)
+        messages = self.other.messages("raw", PointCloud, timeout=0.3)
+        self.assertTrue(self.robot.wait_for_subscribers("raw", timeout=10))
+        log.publish(Log(message="x"))
+        self.assertEqual(list(messages), [])
+        self.assertEqual(messages.not_decoded, 1)
+
+
+if __name__ == "__main__":
+    main()

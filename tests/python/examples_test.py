@@ -1,0 +1,42 @@
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+
+from support import DEADLINE_S, RobotTest, main
+
+import hgros
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples" / "python"
+
+
+class Examples(RobotTest):
+    def example(self, name):
+        process = subprocess.Popen([sys.executable, "-B", EXAMPLES / name], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, env=os.environ)
+        self.opened.callback(self._end, process)
+        return process
+
+    def test_cloud_becomes_an_image(self):
+        robot = self.session()
+        images = robot.messages("height", timeout=DEADLINE_S)
+        programs = [self.example("lidar.py"), self.example("height_image.py")]
+        pixels = hgros.image(next(images))
+        self.assertEqual(pixels.shape, (100, 100))
+        self.assertEqual((pixels.min(), pixels.max()), (55, 255))
+        for program in programs:
+            program.send_signal(signal.SIGINT)
+            out, err, code = self.finish(program)
+            self.assertEqual((out, err, code), ("", "", 0))
+
+    def test_page_shows_the_examples_as_they_are(self):
+        page = (ROOT / "docs" / "python.md").read_text()
+        for name in ("lidar.py", "height_image.py"):
+            with self.subTest(name):
+                self.assertIn((EXAMPLES / name).read_text(), page)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,160 @@
+import os
+import signal
+
+from support import RobotTest, main, wait_until
+
+import hgros
+from foxglove.Log_pb2 import Log
+
+LISTENER = """
+import hgros
+with hgros.Session() as robot:
+    messages = robot.messages("log", timeout=15)
+    print("ready", flush=True)
+    for message in messages:
+        print(message.message, flush=True)
+"""
+
+
+class Processes(RobotTest):
+    def publish_until_heard(self, process, channel="log"):
+        robot = self.session()
+        publisher = robot.advertise(channel, Log)
+        self.assertTrue(robot.wait_for_subscribers(channel, timeout=15))
+        publisher.publish(Log(message="hello"))
+        return robot
+
+    def test_two_processes_talk(self):
+        process = self.python(LISTENER)
+        self.publish_until_heard(process)
+        self.assertEqual([process.stdout.readline() for _ in range(2)], ["ready\n", "hello\n"])
+
+    def test_killed_process_does_not_hold_up_the_others(self):
+        process = self.python(LISTENER)
+        robot = self.publish_until_heard(process)
+        process.stdout.readline(), process.stdout.readline()
+        process.kill()
+        wait_until(lambda: not robot.wait_for_subscribers("log", timeout=0.0), "the loss of the subscriber")
+        robot.advertise("log", Log).publish(Log())
+
+    def interrupt(self, code):
+        process = self.python(code)
+        self.assertEqual(process.stdout.readline(), "ready\n", process.stderr)
+        process.send_signal(signal.SIGINT)
+        return self.finish(process)
+
+    def test_ctrl_c_ends_spin_at_once(self):
+        out, err, code = self.interrupt("import hgros\n"
+                                        "with hgros.Session() as robot:\n"
+                                        "    robot.subscribe('log', callback=lambda message, info: None)\n"
+                                        "    try: print('ready', flush=True); robot.spin()\n"
+                                        "    except KeyboardInterrupt: print('interrupted', flush=True)\n")
+        self.assertEqual((out, code), ("interrupted\n", 0), err)
+
+    def test_ctrl_c_ends_a_loop_over_messages_at_once(self):
+        _, err, code = self.interrupt("import hgros\n"
+                                      "with hgros.Session() as robot:\n"
+                                      "    messages = robot.messages('log')\n"
+                                      "    print('ready', flush=True)\n"
+                                      "    for message in messages: pass\n")
+        self.assertEqual(code, -signal.SIGINT, err)
+        self.assertIn("KeyboardInterrupt", err)
+
+    def test_ctrl_c_ends_a_publisher_that_waits_for_room(self):
+        _, err, code = self.interrupt("import hgros\n"
+                                      "from foxglove.Log_pb2 import Log\n"
+                                      "with hgros.Session() as robot:\n"
+                                      "    messages = robot.messages('log', queue=hgros.KeepAll(1))\n"
+                                      "    publisher = robot.advertise('log', Log)\n"
+                                      "    print('ready', flush=True)\n"
+                                      "    while True: publisher.publish(Log(), timeout=1000)\n")
+        self.assertEqual(code, -signal.SIGINT, err)
+
+    def test_interrupted_callback_leaves_the_rest_for_the_next_spin(self):
+        robot = self.session()
+        heard = []
+
+        def on_log(message, info):
+            heard.append(message.line)
+            if message.line == 1:
+                raise KeyboardInterrupt
+
+        robot.subscribe("log", Log, on_log)
+        publisher = robot.advertise("log", Log)
+        for i in range(4):
+            publisher.publish(Log(line=i))
+        with self.assertRaises(KeyboardInterrupt):
+            robot.spin()
+        self.spin_until(robot, lambda: len(heard) == 4)
+        self.assertEqual(heard, [0, 1, 2, 3])
+
+    def run_to_end(self, code):
+        out, err, exit_code = self.finish(self.python("import hgros, os, sys, threading\n"
+                                                      "from foxglove.Log_pb2 import Log\n" + code))
+        return out, err, exit_code
+
+    def test_interpreter_ends_without_close(self):
+        out, err, code = self.run_to_end("robot = hgros.Session()\n"
+                                         "other = hgros.Session()\n"
+                                         "robot.subscribe('log', Log, print, queue=hgros.KeepAll(1))\n"
+                                         "publisher = robot.advertise('log', Log)\n"
+                                         "try:\n"
+                                         "    for _ in range(100): publisher.publish(Log())\n"
+                                         "except hgros.QueueFull: print('full')\n"
+                                         "other.start()\n")
+        self.assertEqual((out, err, code), ("full\n", "", 0))
+
+    def test_os_exit_ends_the_process(self):
+        out, err, code = self.run_to_end("robot = hgros.Session()\n"
+                                         "robot.subscribe('log', Log, print)\n"
+                                         "robot.start()\n"
+                                         "os._exit(7)\n")
+        self.assertEqual((err, code), ("", 7))
+
+    def test_exit_inside_a_callback_ends_the_program(self):
+        out, err, code = self.run_to_end("robot = hgros.Session()\n"
+                                         "robot.subscribe('log', Log, lambda message, info: sys.exit(3))\n"
+                                         "robot.advertise('log', Log).publish(Log())\n"
+                                         "robot.spin()\n")
+        self.assertEqual((err, code), ("", 3))
+
+    def test_forked_child_says_that_the_session_is_the_parents(self):
+        out, err, code = self.run_to_end(
+            "robot = hgros.Session()\n"
+            "publisher = robot.advertise('log', Log)\n"
+            "messages = robot.messages('log', timeout=5)\n"
+            "child = os.fork()\n"
+            "if child == 0:\n"
+            "    try: robot.subscribe('log', callback=print)\n"
+            "    except hgros.Error as error: print(error, flush=True)\n"
+            "    robot.close()\n"
+            "    sys.exit(5)\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n"
+            "publisher.publish(Log(message='alive'))\n"
+            "print(next(messages).message)\n")
+        self.assertEqual(code, 0, err)
+        lines = out.splitlines()
+        self.assertIn("forked", lines[0])
+        self.assertEqual(lines[1:], ["5", "alive"])
+        self.assertEqual(err, "")
+
+    def test_session_of_a_child_of_multiprocessing(self):
+        for method in ("fork", "spawn"):
+            folder = os.path.join(os.path.dirname(os.path.abspath(__file__)))
+            process = self.python(f"import sys; sys.path.insert(0, {folder!r})\n"
+                                  "import multiprocessing, hgros, in_child\n"
+                                  "if __name__ == '__main__':\n"
+                                  "    robot = hgros.Session()\n"
+                                  "    messages = robot.messages('log', timeout=15)\n"
+                                  f"    context = multiprocessing.get_context({method!r})\n"
+                                  "    child = context.Process(target=in_child.say_hello)\n"
+                                  "    child.start()\n"
+                                  "    print(next(messages).message)\n"
+                                  "    child.join()\n"
+                                  "    print(child.exitcode)\n")
+            out, err, code = self.finish(process)
+            self.assertEqual((out, code), ("hello from a child\n0\n", 0), err)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,106 @@
+from support import RobotTest, main, wait_until
+
+import hgros
+from foxglove.LaserScan_pb2 import LaserScan
+from foxglove.Log_pb2 import Log
+
+
+class Publishing(RobotTest):
+    def test_refuses_a_message_of_another_type(self):
+        publisher = self.session().advertise("scan", LaserScan)
+        with self.assertRaisesRegex(TypeError, 'Channel "scan" carries foxglove.LaserScan, not Log'):
+            publisher.publish(Log())
+
+    def test_refuses_a_second_type_on_a_channel(self):
+        robot = self.session()
+        robot.advertise("scan", LaserScan)
+        with self.assertRaisesRegex(hgros.TypeMismatch, "foxglove.Log"):
+            robot.advertise("scan", Log)
+
+    def test_refuses_a_class_that_is_no_message(self):
+        with self.assertRaisesRegex(TypeError, "is not a class of messages"):
+            self.session().advertise("scan", int)
+
+    def test_late_subscribers_get_latched_messages(self):
+        robot, late = self.session(), self.session()
+        robot.advertise("map", Log, latched=1).publish(Log(message="latched"))
+        self.assertEqual(next(late.messages("map", Log, timeout=10)).message, "latched")
+
+    def test_full_lossless_queue_raises_and_nothing_is_lost(self):
+        robot = self.session()
+        messages = robot.messages("log", Log, timeout=0.2, queue=hgros.KeepAll(2))
+        publisher = robot.advertise("log", Log)
+        published = 0
+        with self.assertRaises(hgros.QueueFull) as refused:
+            while published < 1000:
+                publisher.publish(Log(line=published))
+                published += 1
+        self.assertIn('channel "log"', str(refused.exception))
+        self.assertGreaterEqual(published, 2)
+        self.assertEqual([message.line for message in messages], list(range(published)))
+        self.assertEqual(messages.dropped, 0)
+
+    def test_timeout_waits_for_room(self):
+        robot = self.session()
+        messages = robot.messages("log", Log, timeout=5, queue=hgros.KeepAll(1))
+        publisher = robot.advertise("log", Log)
+        with self.assertRaises(hgros.QueueFull):
+            while True:
+                publisher.publish(Log(), timeout=0.05)
+        next(messages)
+        publisher.publish(Log(), timeout=10)
+
+    def test_publisher_of_a_closed_session_raises(self):
+        robot = self.session()
+        publisher = robot.advertise("log", Log)
+        robot.close()
+        with self.assertRaises(hgros.SessionClosed):
+            publisher.publish(Log())
+        with self.assertRaisesRegex(hgros.Error, "The session is closed"):
+            robot.advertise("log", Log)
+
+    def test_configuration_file_with_a_mistake_says_where(self):
+        with self.assertRaisesRegex(hgros.ConfigError, "text:1:"):
+            hgros.Session(text="netwrk: {}")
+
+    def test_queue_of_the_configuration_holds(self):
+        robot = self.session(text="data_graph: {nodes: {all: {queue: {keep_all: 3}}}}")
+        messages = robot.messages("log", Log, timeout=0.1, name="all")
+        publisher = robot.advertise("log", Log)
+        with self.assertRaises(hgros.QueueFull):
+            for _ in range(1000):
+                publisher.publish(Log())
+        self.assertGreaterEqual(len(list(messages)), 3)
+
+    def test_message_of_a_callback_has_its_cause(self):
+        robot = self.session()
+        first, second = robot.advertise("first", Log), robot.advertise("second", Log)
+        infos = {}
+
+        @robot.subscribe("first")
+        def on_first(message, info):
+            infos["first"] = info
+            second.publish(message)
+
+        @robot.subscribe("second")
+        def on_second(message, info):
+            infos["second"] = info
+
+        first.publish(Log())
+        self.spin_until(robot, lambda: "second" in infos)
+        self.assertEqual(infos["second"].cause, infos["first"].key)
+        self.assertEqual(infos["first"].cause, 0)
+
+    def test_waits_for_subscribers_and_for_publishers(self):
+        robot, other = self.session(), self.session()
+        robot.advertise("log", Log)
+        self.assertFalse(robot.wait_for_subscribers("log", timeout=0.0))
+        messages = other.messages("log")
+        self.assertTrue(robot.wait_for_subscribers("log", timeout=10))
+        self.assertTrue(other.wait_for_publishers("log", timeout=10))
+        messages.close()
+        wait_until(lambda: not robot.wait_for_subscribers("log", timeout=0.0))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,180 @@
+import os
+import pathlib
+import tempfile
+import threading
+
+import numpy as np
+from support import RobotTest, main, wait_until
+
+import hgros
+from foxglove.Log_pb2 import Log
+from foxglove.LaserScan_pb2 import LaserScan
+
+
+def pose(x, angle=0.0):
+    matrix = np.eye(4)
+    matrix[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    matrix[0, 3] = x
+    return matrix
+
+
+class Params(RobotTest):
+    def test_declared_parameter_has_its_default_and_its_bounds(self):
+        params = self.session().params
+        self.assertEqual(params.declare("speed", 0.5, "How fast", unit="m/s", least=0, most=2), 0.5)
+        params["speed"] = 1
+        self.assertEqual(params["speed"], 1.0)
+        self.assertIs(type(params["speed"]), float)
+        with self.assertRaisesRegex(hgros.ParamError, "speed"):
+            params["speed"] = 3
+        with self.assertRaisesRegex(hgros.ParamError, "speed"):
+            params["speed"] = "fast"
+        self.assertEqual(params["speed"], 1.0)
+
+    def test_every_type_comes_back_as_it_was_set(self):
+        params = self.session().params
+        values = {"flag": True, "whole": 3, "number": 0.25, "text": "7", "list": [1, 2], "map": {"a": [0.5, "b"]}}
+        params.update({"all." + name: value for name, value in values.items()})
+        self.assertEqual(params["all"], values)
+        self.assertIs(type(params["all.text"]), str)
+        self.assertIn("all.flag", params)
+        params["all.flag"] = None
+        self.assertNotIn("all.flag", params)
+        self.assertIsNone(params["all.flag"])
+
+    def test_file_and_environment_set_parameters_and_save_keeps_comments(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "robot.yaml")
+            file.write_text("planner:  # plans\n  speed: 0.7\n  name: a\n")
+            os.environ["HGROS_PARAM_planner__name"] = "b"
+            self.addCleanup(os.environ.pop, "HGROS_PARAM_planner__name")
+            robot = self.session(file=file, sections=["planner"])
+            self.assertEqual(robot.params["planner"], {"speed": 0.7, "name": "b"})
+            robot.params["planner.speed"] = 0.9
+            robot.params.save()
+            self.assertIn("# plans", file.read_text())
+            self.assertIn("speed: 0.9", file.read_text())
+
+    def test_file_with_an_unknown_section_is_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "robot.yaml")
+            file.write_text("planer: {}\n")
+            with self.assertRaisesRegex(hgros.ConfigError, "robot.yaml:1:1"):
+                self.session(file=file, sections=["planner"])
+
+    def test_change_calls_back_on_the_spinning_thread(self):
+        robot = self.session()
+        heard = []
+
+        @robot.params.on_change("speed")
+        def on_change(paths):
+            heard.append((paths, threading.get_ident()))
+
+        thread = threading.Thread(target=robot.params.set, args=("speed", 2))
+        thread.start()
+        thread.join()
+        robot.params.set("other", 1)
+        self.spin_until(robot, lambda: heard)
+        self.assertEqual(heard, [(["speed"], threading.get_ident())])
+
+    def test_choices_are_checked(self):
+        params = self.session().params
+        self.assertEqual(params.declare("mode", "slow", choices=["slow", "fast"]), "slow")
+        with self.assertRaisesRegex(hgros.ParamError, "mode"):
+            params["mode"] = "faster"
+
+
+class Tf(RobotTest):
+    def test_lookup_interpolates_and_joins_edges(self):
+        robot = self.session()
+        robot.transforms.send_static("base", "laser", pose(0.5))
+        robot.transforms.send("map", "base", pose(1), 10**9)
+        robot.transforms.send("map", "base", pose(3), 2 * 10**9)
+        np.testing.assert_allclose(robot.transforms.lookup("map", "laser", 1_500_000_000), pose(2.5))
+        matrix, stamp = robot.transforms.lookup_stamped("map", "laser")
+        np.testing.assert_allclose(matrix, pose(3.5))
+        self.assertEqual(stamp, 2 * 10**9)
+
+    def test_stamp_of_a_message_is_a_stamp(self):
+        robot = self.session()
+        robot.transforms.send("map", "base", pose(1, 0.5), 10**9)
+        scan = LaserScan()
+        scan.timestamp.FromNanoseconds(10**9)
+        np.testing.assert_allclose(robot.transforms.lookup("map", "base", scan.timestamp), pose(1, 0.5), atol=1e-12)
+
+    def test_failed_lookup_says_why(self):
+        robot = self.session()
+        robot.transforms.send("map", "base", pose(1), 10**9)
+        for target, source, stamp, fault in (("map", "lase", None, "unknown frame"), ("map", "base", 1, "too old"),
+                                             ("map", "base", 2 * 10**9, "too new")):
+            with self.assertRaises(hgros.TransformError) as failed:
+                robot.transforms.lookup(target, source, stamp)
+            self.assertEqual(failed.exception.fault, fault)
+            self.assertIn(f'"{source}"', str(failed.exception))
+
+    def test_lookup_waits_for_another_session(self):
+        robot, other = self.session(), self.session()
+        threading.Timer(0.05, lambda: other.transforms.send_static("map", "base", pose(2))).start()
+        np.testing.assert_allclose(robot.transforms.lookup("map", "base", timeout=15), pose(2))
+
+    def test_what_is_no_transform_is_refused(self):
+        robot = self.session()
+        for matrix in (np.eye(3), 2 * np.eye(4), np.diag([1, 1, -1, 1]), np.full((4, 4), np.nan)):
+            with self.assertRaises(hgros.TransformError):
+                robot.transforms.send_static("map", "base", matrix)
+        with self.assertRaisesRegex(TypeError, "send_static"):
+            robot.transforms.send("map", "base", np.eye(4), None)
+        robot.transforms.send_static("map", "base", np.eye(4))
+        with self.assertRaisesRegex(hgros.TransformError, "base"):
+            robot.transforms.send_static("base", "map", np.eye(4))
+
+    def test_closed_session_has_no_transforms(self):
+        robot = self.session()
+        transforms = robot.transforms
+        robot.close()
+        with self.assertRaisesRegex(hgros.Error, "closed"):
+            transforms.lookup("a", "b")
+
+
+class Counters(RobotTest):
+    def test_snapshot_has_channels_nodes_and_peers(self):
+        robot, other = self.session(name="robot"), self.session(name="other")
+        robot.subscribe("log", Log, lambda message, info: None, name="listener")
+        publisher = other.advertise("log", Log)
+        self.assertTrue(other.wait_for_subscribers("log", timeout=15))
+        publisher.publish(Log())
+        wait_until(lambda: robot.snapshot().channel("log").received == 1)
+        snapshot = robot.snapshot()
+        self.assertEqual(snapshot.name, "robot")
+        node = snapshot.channel("log").nodes[0]
+        self.assertEqual((node.name, node.received), ("listener", 1))
+        self.assertEqual([(peer.process, peer.transport) for peer in snapshot.peers], [("other", "shared memory")])
+        self.assertEqual(other.snapshot().channel("log").published, 1)
+        with self.assertRaises(KeyError):
+            snapshot.channel("nothing")
+
+    def test_channels_of_all_sessions_are_known(self):
+        robot, other = self.session(), self.session()
+        other.advertise("log", Log)
+
+        def known():
+            return [(one.type_name, one.publishers, one.subscribers) for one in robot.channels() if one.name == "log"]
+
+        wait_until(lambda: known() == [("foxglove.Log", 1, 0)])
+
+    def test_loans_are_counted(self):
+        from foxglove.PointCloud_pb2 import PointCloud
+
+        robot, other = self.session(), self.session()
+        clouds = other.messages("points", timeout=5)
+        robot.advertise("points", PointCloud)
+        self.assertTrue(robot.wait_for_subscribers("points", timeout=15))
+        with robot.loan("points", PointCloud, 100_000):
+            pass
+        next(clouds)
+        traffic = [one for one in robot.snapshot().traffic if one.channel == "points"][0]
+        self.assertEqual((traffic.loans, traffic.heap_loans, traffic.copied), (1, 0, 0))
+
+
+if __name__ == "__main__":
+    main()

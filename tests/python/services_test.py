@@ -1,0 +1,215 @@
+import asyncio
+import logging
+import threading
+
+from support import DEADLINE_S, RobotTest, main, wait_until
+
+import hgros
+from foxglove.Log_pb2 import Log
+from foxglove.Vector2_pb2 import Vector2
+
+
+def add(request):
+    if request.x < 0:
+        raise ValueError("x is below zero")
+    return Log(message=str(request.x + request.y))
+
+
+class Services(RobotTest):
+    def served(self):
+        server, client = self.session(), self.session()
+        self.service = server.serve("add", Vector2, Log, add)
+        server.start()
+        return server, client
+
+    def call(self, robot, *args, **options):
+        """Calls until the service is found."""
+        found = []
+
+        def answered():
+            try:
+                found.append(robot.call(*args, **options).result())
+            except hgros.CallError as error:
+                if error.kind != "no server":
+                    raise
+            return bool(found)
+
+        wait_until(answered)
+        return found[0]
+
+    def test_call_gets_the_reply_of_another_session(self):
+        _, client = self.served()
+        reply = self.call(client, "add", Vector2(x=1, y=2), Log, timeout=DEADLINE_S)
+        self.assertIs(type(reply), Log)
+        self.assertEqual(reply.message, "3.0")
+
+    def test_type_of_the_reply_comes_from_the_server(self):
+        _, client = self.served()
+        self.assertEqual(self.call(client, "add", Vector2(x=1, y=2), timeout=DEADLINE_S).message, "3.0")
+
+    def test_exception_of_a_handler_is_logged_and_reaches_the_caller(self):
+        server, _ = self.served()
+        with self.assertLogs("hgros", logging.ERROR) as logged, self.assertRaises(hgros.CallError) as failed:
+            server.call("add", Vector2(x=-1), Log, timeout=DEADLINE_S).result()
+        self.assertEqual(failed.exception.kind, "handler failed")
+        self.assertIn("ValueError: x is below zero", str(failed.exception))
+        self.assertIn("in add", logged.output[0])
+        self.assertEqual((self.service.run, self.service.failed), (1, 1))
+
+    def test_handler_that_returns_another_type_fails(self):
+        robot = self.session()
+        robot.serve("wrong", Vector2, Log, lambda request: request)
+        robot.start()
+        with self.assertLogs("hgros", logging.ERROR), self.assertRaisesRegex(hgros.CallError, "must return foxglove.Log"):
+            robot.call("wrong", Vector2(), Log, timeout=DEADLINE_S).result()
+
+    def test_service_that_nobody_offers_is_an_error(self):
+        with self.assertRaises(hgros.CallError) as failed:
+            self.session().call("nothing", Vector2(), Log, timeout=0.2).result()
+        self.assertEqual(failed.exception.kind, "no server")
+
+    def test_call_times_out_if_the_server_does_not_spin(self):
+        robot = self.session()
+        robot.serve("add", Vector2, Log, add)
+        with self.assertRaises(hgros.CallError) as failed:
+            robot.call("add", Vector2(), Log, timeout=0.05).result()
+        self.assertEqual(failed.exception.kind, "timed out")
+
+    def test_cancelled_call_says_so(self):
+        robot = self.session()
+        robot.serve("add", Vector2, Log, add)
+        call = robot.call("add", Vector2(), Log, timeout=DEADLINE_S)
+        call.cancel()
+        with self.assertRaises(hgros.CallError) as failed:
+            call.result()
+        self.assertEqual(failed.exception.kind, "cancelled")
+
+    def test_thread_that_waits_for_itself_gets_an_error(self):
+        robot = self.session()
+        robot.serve("add", Vector2, Log, add)
+        kinds = []
+
+        @robot.subscribe("log")
+        def on_log(message, info):
+            try:
+                robot.call("add", Vector2(), Log, timeout=DEADLINE_S).result()
+            except hgros.CallError as error:
+                kinds.append(error.kind)
+
+        robot.advertise("log", Log).publish(Log())
+        self.spin_until(robot, lambda: kinds)
+        self.assertEqual(kinds, ["would deadlock"])
+
+    def test_call_is_awaited(self):
+        async def run():
+            server, _ = self.served()
+            replies = await asyncio.gather(*(server.call("add", Vector2(x=i), Log, timeout=DEADLINE_S) for i in range(5)))
+            return [reply.message for reply in replies]
+
+        self.assertEqual(asyncio.run(run()), ["0.0", "1.0", "2.0", "3.0", "4.0"])
+
+    def test_service_can_be_ended_while_a_request_waits(self):
+        robot = self.session()
+        service = robot.serve("add", Vector2, Log, add)
+        call = robot.call("add", Vector2(), Log, timeout=DEADLINE_S)
+        service.end()
+        with self.assertRaises(hgros.CallError) as failed:
+            call.result()
+        self.assertIn(failed.exception.kind, ("handler failed", "server gone"))
+
+    def test_session_closes_while_a_handler_runs(self):
+        robot = self.session()
+        entered, leave = threading.Event(), threading.Event()
+
+        @robot.serve("slow", Vector2, Log)
+        def slow(request):
+            entered.set()
+            leave.wait(DEADLINE_S)
+            return Log()
+
+        robot.start()
+        call = robot.call("slow", Vector2(), Log, timeout=DEADLINE_S)
+        self.assertTrue(entered.wait(DEADLINE_S))
+        leave.set()
+        robot.close()
+        try:
+            call.result()
+        except hgros.CallError as error:
+            self.assertIn(error.kind, ("closed", "server gone", "handler failed"))
+
+
+class Time(RobotTest):
+    def test_timer_calls_with_its_planned_moments(self):
+        robot = self.session()
+        ticks = []
+
+        @robot.timer(0.01)
+        def on_tick(tick):
+            ticks.append(tick)
+            if len(ticks) == 3:
+                robot.stop()
+
+        robot.spin()
+        for before, after in zip(ticks, ticks[1:]):
+            self.assertEqual(after.planned_ns - before.planned_ns, 10_000_000 * (1 + after.missed))
+        self.assertLessEqual(ticks[0].planned_ns, ticks[0].now_ns)
+
+    def test_slow_timer_skips_turns_and_counts_them(self):
+        robot = self.session()
+        ticks = []
+
+        def on_tick(tick):
+            ticks.append(tick)
+            if len(ticks) == 1:
+                robot.sleep(0.05)
+
+        timer = robot.timer(0.01, on_tick)
+        self.spin_until(robot, lambda: len(ticks) >= 3)
+        self.assertGreaterEqual(sum(tick.missed for tick in ticks), 2)
+        self.assertEqual((ticks[-1].planned_ns - ticks[0].planned_ns) // 10_000_000,
+                         sum(1 + tick.missed for tick in ticks[1:]))
+        timer.end()
+        robot.spin_once(0.03)
+        count = len(ticks)
+        robot.spin_once(0.03)
+        self.assertEqual(len(ticks), count)
+
+    def test_rate_turns_without_drift(self):
+        robot = self.session()
+        ticks = [tick for tick, _ in zip(robot.rate(0.01), range(4))]
+        self.assertEqual(ticks[3].planned_ns - ticks[0].planned_ns,
+                         10_000_000 * (3 + sum(tick.missed for tick in ticks[1:])))
+
+    def test_rate_ends_with_its_session(self):
+        robot = self.session()
+        threading.Timer(0.05, robot.close).start()
+        self.assertEqual(list(robot.rate(1000)), [])
+
+    def test_period_must_be_above_zero(self):
+        with self.assertRaisesRegex(ValueError, "above 0 s"):
+            self.session().timer(0, print)
+
+    def test_clock_of_the_session_is_the_systems(self):
+        import time
+
+        robot = self.session()
+        before = time.time_ns()
+        now = robot.now_ns
+        self.assertTrue(before - 10**9 <= now <= time.time_ns() + 10**9)
+
+    def test_simulated_time_moves_timers(self):
+        from hgros.SimulatedTime_pb2 import SimulatedTime
+
+        robot, simulator = self.session(text="time: simulated"), self.session()
+        clock = simulator.advertise("clock", SimulatedTime, latched=1)
+        clock.publish(SimulatedTime(time_ns=1000 * 10**9, rate=1, paused=True, clock_id=7))
+        wait_until(lambda: robot.now_ns == 1000 * 10**9, "the simulated clock")
+        ticks = []
+        robot.timer(3600, ticks.append)
+        clock.publish(SimulatedTime(time_ns=4600 * 10**9, rate=1, paused=True, clock_id=7))
+        self.spin_until(robot, lambda: ticks)
+        self.assertEqual(ticks[0].planned_ns, 4600 * 10**9)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,253 @@
+import asyncio
+import logging
+import threading
+import time
+
+from support import DEADLINE_S, RobotTest, main, wait_until
+
+import hgros
+from foxglove.Log_pb2 import Log
+
+
+class Subscribing(RobotTest):
+    def test_callback_gets_message_and_info_from_another_session(self):
+        robot, other = self.session(), self.session()
+        heard = []
+        robot.subscribe("log", Log, lambda message, info: heard.append((message, info)))
+        publisher = other.advertise("log", Log)
+        self.assertTrue(other.wait_for_subscribers("log", timeout=10))
+        publisher.publish(Log(message="hello"))
+        self.spin_until(robot, lambda: heard)
+        message, info = heard[0]
+        self.assertIs(type(message), Log)
+        self.assertEqual(message.message, "hello")
+        self.assertTrue(info.remote)
+        self.assertEqual(info.sequence, 1)
+        self.assertEqual(f"{info.publisher:016x}", other.id)
+        self.assertGreater(info.publish_time_ns, 0)
+
+    def test_decorator_returns_the_function(self):
+        robot = self.session()
+
+        @robot.subscribe("log")
+        def on_log(message, info):
+            pass
+
+        self.assertEqual(on_log.__name__, "on_log")
+
+    def test_messages_come_in_order_to_callbacks_on_the_spinning_thread(self):
+        robot = self.session()
+        heard = []
+
+        def on_log(message, info):
+            heard.append((message.line, threading.get_ident()))
+            if len(heard) == 500:
+                robot.stop()
+
+        robot.subscribe("log", Log, on_log, queue=hgros.KeepAll(1000))
+        publisher = robot.advertise("log", Log)
+        thread = threading.Thread(target=lambda: [publisher.publish(Log(line=i), timeout=10) for i in range(500)])
+        thread.start()
+        robot.spin()
+        thread.join()
+        self.assertEqual(heard, [(i, threading.get_ident()) for i in range(500)])
+
+    def test_slow_callback_drops_the_oldest_and_counts_them(self):
+        robot = self.session()
+        heard = []
+        subscription = robot.subscribe("log", Log, lambda message, info: heard.append(message.line),
+                                       queue=hgros.KeepLast(3))
+        publisher = robot.advertise("log", Log)
+        for i in range(10):
+            publisher.publish(Log(line=i))
+        self.spin_until(robot, lambda: len(heard) == 3)
+        self.assertEqual(heard, [7, 8, 9])
+        self.assertEqual(subscription.dropped, 7)
+        self.assertEqual(subscription.received, 10)
+
+    def test_exception_is_logged_with_traceback_and_counted(self):
+        robot = self.session()
+
+        def fails(message, info):
+            raise ValueError(f"message {message.line}")
+
+        subscription = robot.subscribe("log", Log, fails)
+        publisher = robot.advertise("log", Log)
+        publisher.publish(Log(line=1))
+        publisher.publish(Log(line=2))
+        with self.assertLogs("hgros", logging.ERROR) as logged:
+            self.spin_until(robot, lambda: subscription.run == 2)
+        self.assertEqual(subscription.failed, 2)
+        self.assertIn('channel "log"', logged.output[0])
+        self.assertIn("ValueError: message 1", logged.output[0])
+        self.assertIn("in fails", logged.output[0])
+
+    def test_ended_subscription_hears_nothing(self):
+        robot = self.session()
+        heard = []
+        subscription = robot.subscribe("log", callback=lambda message, info: heard.append(message))
+        publisher = robot.advertise("log", Log)
+        publisher.publish(Log())
+        subscription.end()
+        publisher.publish(Log())
+        self.assertFalse(subscription.active)
+        robot.spin_once(0.05)
+        self.assertEqual(heard, [])
+        subscription.end()
+
+    def test_callback_may_end_its_own_subscription(self):
+        robot = self.session()
+        heard = []
+
+        def once(message, info):
+            heard.append(message)
+            subscription.end()
+
+        subscription = robot.subscribe("log", Log, once)
+        publisher = robot.advertise("log", Log)
+        publisher.publish(Log())
+        publisher.publish(Log())
+        self.spin_until(robot, lambda: heard)
+        robot.spin_once(0.05)
+        self.assertEqual(len(heard), 1)
+
+    def test_callback_may_close_the_session(self):
+        robot = self.session()
+        robot.subscribe("log", Log, lambda message, info: robot.close())
+        robot.advertise("log", Log).publish(Log())
+        robot.spin()
+        self.assertTrue(robot.closed)
+
+    def test_close_ends_a_spin_on_another_thread(self):
+        robot = self.session()
+        thread = threading.Thread(target=robot.spin)
+        thread.start()
+        wait_until(lambda: robot._spins.locked())
+        robot.close()
+        thread.join(DEADLINE_S)
+        self.assertFalse(thread.is_alive())
+
+    def test_started_session_calls_callbacks_without_spin(self):
+        robot = self.session()
+        heard = threading.Event()
+        robot.subscribe("log", Log, lambda message, info: heard.set())
+        robot.start()
+        robot.advertise("log", Log).publish(Log())
+        self.assertTrue(heard.wait(DEADLINE_S))
+        with self.assertRaisesRegex(hgros.Error, "spins already"):
+            robot.spin()
+
+    def test_message_that_comes_before_a_spin_waits_for_it(self):
+        robot = self.session()
+        publisher = robot.advertise("log", Log, latched=1)
+        publisher.publish(Log(message="before"))
+        heard = []
+        robot.subscribe("log", Log, lambda message, info: heard.append(message.message))
+        self.spin_until(robot, lambda: heard)
+        self.assertEqual(heard, ["before"])
+
+    def test_many_threads_publish_and_subscribe(self):
+        robot = self.session()
+        counts = [0] * 4
+
+        def count(at):
+            def callback(message, info):
+                counts[at] += 1
+            return callback
+
+        for at in range(4):
+            robot.subscribe("log", Log, count(at), queue=hgros.KeepAll(100))
+        publisher = robot.advertise("log", Log)
+        robot.start()
+        threads = [threading.Thread(target=lambda: [publisher.publish(Log(), timeout=10) for _ in range(100)])
+                   for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        wait_until(lambda: counts == [400] * 4, "every message everywhere")
+
+    def test_lossless_subscription_that_is_full_can_be_closed(self):
+        robot = self.session()
+        robot.subscribe("log", Log, lambda message, info: None, queue=hgros.KeepAll(1))
+        publisher = robot.advertise("log", Log)
+        with self.assertRaises(hgros.QueueFull):
+            while True:
+                publisher.publish(Log(), timeout=0.02)
+        robot.close()
+
+
+class Iterating(RobotTest):
+    def test_loop_ends_when_no_message_comes(self):
+        robot = self.session()
+        messages = robot.messages("log", Log, timeout=0.05)
+        publisher = robot.advertise("log", Log)
+        for i in range(3):
+            publisher.publish(Log(line=i))
+        self.assertEqual([message.line for message in messages], [0, 1, 2])
+        publisher.publish(Log(line=3))
+        self.assertEqual([message.line for message in messages], [3])
+        self.assertEqual(messages.info.sequence, 4)
+
+    def test_loop_ends_when_the_session_closes(self):
+        robot = self.session()
+        messages = robot.messages("log", Log)
+        threading.Timer(0.05, robot.close).start()
+        self.assertEqual(list(messages), [])
+
+    def test_subscription_ends_with_the_object(self):
+        robot = self.session()
+        robot.advertise("log", Log)
+        messages = robot.messages("log", Log)
+        self.assertTrue(robot.wait_for_subscribers("log", timeout=10))
+        del messages
+        wait_until(lambda: not robot.wait_for_subscribers("log", timeout=0.0))
+
+    def test_async_for(self):
+        async def listen():
+            robot = self.session()
+            publisher = robot.advertise("log", Log)
+            messages = robot.messages("log", Log, timeout=5)
+            asyncio.get_running_loop().call_later(0.02, publisher.publish, Log(line=7))
+            async for message in messages:
+                return message.line
+
+        self.assertEqual(asyncio.run(listen()), 7)
+
+    def test_async_loop_ends_when_no_message_comes(self):
+        async def listen():
+            return [message async for message in self.session().messages("log", Log, timeout=0.05)]
+
+        self.assertEqual(asyncio.run(listen()), [])
+
+    def test_callbacks_run_in_an_event_loop(self):
+        async def run():
+            robot = self.session()
+            robot.subscribe("log", Log, lambda message, info: robot.stop())
+            publisher = robot.advertise("log", Log)
+            asyncio.get_running_loop().call_later(0.02, publisher.publish, Log())
+            await asyncio.wait_for(robot.spin_async(), DEADLINE_S)
+
+        asyncio.run(run())
+
+    def test_waiting_thread_lets_others_run(self):
+        robot = self.session()
+        turns = 0
+        done = threading.Event()
+
+        def work():
+            nonlocal turns
+            while not done.is_set():
+                turns += 1
+                time.sleep(0)
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        list(robot.messages("log", Log, timeout=0.2))
+        done.set()
+        thread.join()
+        self.assertGreater(turns, 10)
+
+
+if __name__ == "__main__":
+    main()

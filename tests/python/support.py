@@ -1,0 +1,63 @@
+"""What the tests of the Python package share. The package is found through PYTHONPATH."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import time
+import unittest
+import uuid
+
+import hgros
+
+DEADLINE_S = 20.0
+
+
+def wait_until(predicate, what="the predicate"):
+    """Waits until predicate() holds; fails after DEADLINE_S."""
+    deadline = time.monotonic() + DEADLINE_S
+    while not predicate():
+        if time.monotonic() > deadline:
+            raise AssertionError(f"{what} did not hold within {DEADLINE_S} s")
+        time.sleep(0.002)
+
+
+class RobotTest(unittest.TestCase):
+    """Each test has a domain of its own."""
+
+    def setUp(self):
+        self.domain = "test_" + uuid.uuid4().hex[:12]
+        os.environ["HGROS_DOMAIN"] = self.domain
+        self.opened = contextlib.ExitStack()
+        self.addCleanup(self.opened.close)
+
+    def session(self, **options):
+        return self.opened.enter_context(hgros.Session(**options))
+
+    def spin_until(self, robot, predicate):
+        deadline = time.monotonic() + DEADLINE_S
+        while not predicate():
+            self.assertLess(time.monotonic(), deadline, "the callbacks did not do what was awaited")
+            robot.spin_once(0.05)
+
+    def python(self, code, **options):
+        """A process that runs `code`, with pipes for its input and output."""
+        process = subprocess.Popen([sys.executable, "-c", code], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, **options)
+        self.opened.callback(self._end, process)
+        return process
+
+    @staticmethod
+    def _end(process):
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def finish(self, process):
+        """Its output, error output and exit code, at the latest after DEADLINE_S."""
+        out, err = process.communicate(timeout=DEADLINE_S)
+        return out, err, process.returncode
+
+
+def main():
+    unittest.main(verbosity=1)

@@ -1,0 +1,89 @@
+import logging
+
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from support import RobotTest, main
+
+import hgros
+from foxglove.LaserScan_pb2 import LaserScan
+from foxglove.Log_pb2 import Log
+
+
+def own_type(full_name="robot.Gripper", fields=("width",), pool=None):
+    """A class of a type that only this test knows, in a pool of its own."""
+    file = descriptor_pb2.FileDescriptorProto(name="robot/gripper.proto", package="robot", syntax="proto3")
+    message = file.message_type.add(name=full_name.split(".")[-1])
+    for number, name in enumerate(fields, 1):
+        message.field.add(name=name, number=number, label=1, type=1)
+    pool = pool or descriptor_pool.DescriptorPool()
+    pool.Add(file)
+    return message_factory.MessageFactory(pool).GetPrototype(pool.FindMessageTypeByName(full_name))
+
+
+class Types(RobotTest):
+    def hear(self, publish_type, message, subscribe_type=None):
+        robot, other = self.session(), self.session()
+        messages = other.messages("channel", subscribe_type, timeout=5)
+        publisher = robot.advertise("channel", publish_type)
+        self.assertTrue(robot.wait_for_subscribers("channel", timeout=10))
+        publisher.publish(message)
+        return messages
+
+    def test_type_comes_with_the_channel(self):
+        heard = next(self.hear(LaserScan, LaserScan(ranges=[1, 2])))
+        self.assertIs(type(heard), LaserScan)
+        self.assertEqual(list(heard.ranges), [1, 2])
+
+    def test_type_that_this_program_does_not_have_is_built_from_its_schema(self):
+        gripper = own_type()
+        heard = next(self.hear(gripper, gripper(width=0.5)))
+        self.assertIsNot(type(heard), gripper)
+        self.assertEqual(heard.DESCRIPTOR.full_name, "robot.Gripper")
+        self.assertEqual(heard.width, 0.5)
+
+    def test_type_of_the_same_name_but_another_schema_is_not_the_programs_own(self):
+        mine = own_type(fields=("width", "force"))
+        theirs = own_type(fields=("force",))
+        self.assertEqual(next(self.hear(mine, mine(width=1, force=2))).force, 2)
+        self.assertEqual(next(self.hear(theirs, theirs(force=3))).force, 3)
+
+    def test_schema_that_grew_is_read(self):
+        old, new = own_type(fields=("width",)), own_type(fields=("width", "force"))
+        self.assertEqual(next(self.hear(old, old(width=2), new)).width, 2)
+
+    def test_wrong_type_is_an_error_that_names_both(self):
+        messages = self.hear(LaserScan, LaserScan(), Log)
+        messages.timeout = 0.3
+        with self.assertLogs("hgros", logging.ERROR) as logged:
+            self.assertEqual(list(messages), [])
+        self.assertIn('channel "channel"', logged.output[0])
+        self.assertIn("foxglove.LaserScan", logged.output[0])
+        self.assertIn("foxglove.Log", logged.output[0])
+        self.assertEqual(messages.not_decoded, 1)
+
+    def test_messages_of_the_library_and_of_python_are_one_type(self):
+        from foxglove.Pose_pb2 import Pose
+        from foxglove.SceneUpdate_pb2 import SceneUpdate
+
+        update = SceneUpdate()
+        update.entities.add().arrows.add().pose.CopyFrom(Pose())
+        self.assertEqual(len(update.entities), 1)
+
+    def test_schemas_work_when_the_library_is_loaded_last(self):
+        process = self.python(
+            "import sys, types, importlib.util, pathlib\n"
+            "import importlib.machinery as machinery\n"
+            "folder = next(p for p in sys.path if pathlib.Path(p, 'foxglove').is_dir())\n"
+            "package = types.ModuleType('foxglove'); package.__path__ = [folder + '/foxglove']\n"
+            "sys.modules['foxglove'] = package\n"  # Without the package's own import of the library.
+            "from foxglove.LaserScan_pb2 import LaserScan\n"
+            "import hgros\n"
+            "with hgros.Session(text='discovery: {domain: none}') as robot:\n"
+            "    messages = robot.messages('scan', timeout=5)\n"
+            "    robot.advertise('scan', LaserScan).publish(LaserScan(ranges=[1]))\n"
+            "    print(next(messages).ranges)\n")
+        out, err, code = self.finish(process)
+        self.assertEqual((out, code), ("[1.0]\n", 0), err)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,9 @@
+from typing import Any
+
+from google.protobuf.descriptor import Descriptor
+
+class DescriptorPool:
+    def Add(self, file: Any) -> None: ...
+    def FindMessageTypeByName(self, name: str) -> Descriptor: ...
+
+def Default() -> DescriptorPool: ...
