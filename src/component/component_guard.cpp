@@ -3,6 +3,8 @@
 namespace hgros {
 namespace {
 
+constexpr std::chrono::seconds kSavePatience{1};
+
 std::string Milliseconds(std::chrono::nanoseconds time) {
   const auto tenths = std::chrono::round<std::chrono::duration<std::int64_t, std::ratio<1, 10'000>>>(time).count();
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
@@ -17,6 +19,16 @@ void ComponentGuard::Note(const char* what) noexcept {
   }
 }
 
+void ComponentGuard::NoteSaving() noexcept {
+  try {
+    late_(
+        "Its Save() has not returned after 1 s. None of its callbacks begins until it does, and it is neither saved "
+        "nor "
+        "moved. `hgros restart` starts its process again.");
+  } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, nobody is told.
+  }
+}
+
 void ComponentGuard::NoteLate(std::chrono::nanoseconds time, bool returned) noexcept {
   try {
     late_((returned ? "A callback took " : "A callback has not returned after ") + Milliseconds(time) +
@@ -27,7 +39,13 @@ void ComponentGuard::NoteLate(std::chrono::nanoseconds time, bool returned) noex
 
 void ComponentGuard::Enter(Pass& pass) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !alone_; });
+  const auto saved = [this] { return !alone_; };
+  if (!changed_.wait_for(lock, kSavePatience, saved) && !std::exchange(told_saving_, true)) {
+    lock.unlock();
+    NoteSaving();
+    lock.lock();
+  }
+  changed_.wait(lock, saved);
   passes_.push_back(&pass);
   if (deadline_.count() > 0) pass.began = std::chrono::steady_clock::now();
 }
@@ -68,7 +86,7 @@ bool ComponentGuard::TryAlone(std::chrono::steady_clock::time_point deadline, co
   }
   const auto open = [this] {
     const std::scoped_lock lock(mutex_);
-    alone_ = false;
+    alone_ = told_saving_ = false;
     changed_.notify_all();
   };
   try {

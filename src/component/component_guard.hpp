@@ -39,7 +39,8 @@ class ComponentGuard {
       throw;
     }
   }
-  // Waits until no callback runs, and calls `save` while none can begin. False if the deadline came first.
+  // Waits until no callback runs, and calls `save` while none can begin. False if the deadline came first. If `save`
+  // does not return for long, a callback that waits for it tells so.
   bool TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save);
   // Tells of those that still run after the deadline, each once.
   void NoteHanging();
@@ -67,6 +68,7 @@ class ComponentGuard {
   void Leave(const Pass& pass) noexcept;
   void Note(const char* what) noexcept;
   void NoteLate(std::chrono::nanoseconds time, bool returned) noexcept;
+  void NoteSaving() noexcept;
 
   const bool saves_;
   const std::chrono::nanoseconds deadline_;
@@ -76,6 +78,7 @@ class ComponentGuard {
   std::condition_variable changed_;
   std::vector<Pass*> passes_;  // Guarded by mutex_. Callbacks that run.
   bool alone_ = false;         // Guarded by mutex_. It is saved; none runs.
+  bool told_saving_ = false;   // Guarded by mutex_. That this takes long.
 };
 
 }  // namespace hgros

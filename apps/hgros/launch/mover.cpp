@@ -367,7 +367,9 @@ void Mover::Work() {
   for (const std::string& name : late) {
     Move& move = moves_.at(name);
     const StartedUnit& silent = move.stage == Stage::kLooks || move.stage == Stage::kHolds ? *move.from : *move.to;
-    const std::string sentence = "The process " + NamedPlace(silent.setup->name) + " does not answer";
+    const std::string& place = silent.setup->name;
+    const std::string sentence = "The process " + NamedPlace(place) + " does not answer. `hgros logs " + place +
+                                 "` may say why, and `hgros restart " + place + "` starts it again.";
     if (move.stage == Stage::kHandsOver) {
       HandLate(move);
     } else if (move.stage == Stage::kBegins) {  // It may begin at any time.
@@ -375,7 +377,7 @@ void Mover::Work() {
       means_.say(silent, {}, LogLevel::kWarning, "It does not answer, and is killed.");
       silent.running->Signal(SIGKILL);
     } else {
-      GiveUp(move, sentence + ".");
+      GiveUp(move, sentence);
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -10,7 +11,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <system_error>
 
 #include "hgros/base/error.hpp"
@@ -18,6 +21,8 @@
 
 namespace hgros::cli {
 namespace {
+
+constexpr const char* kListens = "00010000";  // Among the flags of /proc/net/unix.
 
 std::string DomainName() {
   const char* domain = std::getenv("HGROS_DOMAIN");
@@ -51,6 +56,37 @@ bool IsOurs(int socket) {
   return getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && (peer.uid == getuid() || peer.uid == 0);
 }
 
+// The socket that listens at this name, as a process's descriptors show it; empty: none does.
+std::string ListenerAt(const std::string& robot) {
+  const std::string name = " @" + SocketPrefix() + robot;
+  std::ifstream file("/proc/net/unix");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.ends_with(name)) continue;
+    std::istringstream fields(line);
+    std::string skipped;
+    std::string flags;
+    std::string inode;
+    fields >> skipped >> skipped >> skipped >> flags >> skipped >> skipped >> inode;
+    if (flags == kListens) return "socket:[" + inode + "]";
+  }
+  return {};
+}
+
+// Whether a process of this user has the socket. One that does not accept connections cannot be asked.
+bool HasOwnProcess(const std::string& listener) {
+  std::error_code error;
+  for (const auto& process : std::filesystem::directory_iterator("/proc", error)) {
+    struct stat owner {};
+    if (stat(process.path().c_str(), &owner) != 0 || owner.st_uid != getuid()) continue;
+    std::filesystem::directory_iterator at(process.path() / "fd", error);
+    for (; !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
+      if (std::filesystem::read_symlink(at->path(), error) == listener) return true;
+      error.clear();  // It was closed meanwhile.
+    }
+  }
+  return false;
+}
+
 // Whether it is a robot of this user. Any user can take any name.
 bool IsOurRobot(const std::string& name) {
   const Address address = AddressOf(name);
@@ -58,7 +94,7 @@ bool IsOurRobot(const std::string& name) {
   if (connect(stream.descriptor(), reinterpret_cast<const sockaddr*>(&address.address), address.size) == 0) {
     return IsOurs(stream.descriptor());
   }
-  return errno == EAGAIN;  // It has no time now.
+  return errno == EAGAIN && HasOwnProcess(ListenerAt(name));  // It has no time now.
 }
 
 bool CanBeARobot(const std::string& name) {
@@ -133,6 +169,8 @@ std::string RobotNamed(const std::string& wanted) {
 }
 
 std::unique_ptr<MessageStream> ConnectToRobot(const std::string& name) {
+  const Error unreached("No robot \"" + name + "\" can be reached.", {}, "`hgros ps` lists those that run.");
+  if (!IsOurRobot(name)) throw unreached;
   const Address address = AddressOf(name);
   const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) throw Error("The system refused a socket: " + std::generic_category().message(errno) + ".");
@@ -141,7 +179,7 @@ std::unique_ptr<MessageStream> ConnectToRobot(const std::string& name) {
   (void)setsockopt(descriptor, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
   if (connect(descriptor, reinterpret_cast<const sockaddr*>(&address.address), address.size) != 0 ||
       !IsOurs(descriptor)) {
-    throw Error("No robot \"" + name + "\" can be reached.", {}, "`hgros ps` lists those that run.");
+    throw unreached;
   }
   (void)fcntl(descriptor, F_SETFL, O_NONBLOCK);
   return stream;

@@ -1,6 +1,8 @@
 #include "launch/starter_clients.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <string>
 #include <utility>
 
 #include "arguments/command.hpp"
@@ -9,8 +11,10 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::size_t kMostUnreadBytes = 8U << 20U;  // Of a command that does not read.
+constexpr std::size_t kMostUnreadBytes = 8U << 20U;    // Of a command that does not read.
+constexpr std::size_t kMostFollowedBytes = 4U << 20U;  // Of lines for a command that reads them too slowly.
 constexpr std::size_t kMostClients = 64;
+constexpr std::chrono::milliseconds kUnreadPatience{200};  // For commands that have not read all.
 
 }  // namespace
 
@@ -146,15 +150,37 @@ void StarterClients::SendEnd(Client& client, int code, const std::string& senten
 
 void StarterClients::Tell(const LogLine& line) {
   for (Client& client : clients_) {
-    if (client.follows && Wants(client, line)) SendLine(client, line);
+    if (!client.follows || !Wants(client, line)) continue;
+    if (client.stream->unsent() > kMostFollowedBytes) {
+      ++client.left_out;
+      continue;
+    }
+    SendLeftOut(client);
+    SendLine(client, line);
   }
 }
 
+void StarterClients::SendLeftOut(Client& client) {
+  if (client.left_out == 0) return;
+  LogLine said;
+  said.time_ns = std::chrono::system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+  said.process = "hgros";
+  said.level = LogLevel::kWarning;
+  said.text = std::to_string(std::exchange(client.left_out, 0)) +
+              " lines were left out here, because nobody read the output. `hgros logs` shows the newest ones.";
+  SendLine(client, said);
+}
+
 void StarterClients::TellEnd(int code) {
+  const auto late = std::chrono::steady_clock::now() + kUnreadPatience;
   for (Client& client : clients_) {
+    SendLeftOut(client);
     if (client.waits_for_end || client.follows) SendEnd(client, code);
     if (!client.restarts.empty() || !client.moves.empty()) SendEnd(client, kFailed, "The robot has ended.");
-    (void)client.stream->Write();
+    while (client.stream->Write() && client.stream->unsent() > 0 && std::chrono::steady_clock::now() < late) {
+      pollfd room{client.stream->descriptor(), POLLOUT, 0};
+      (void)poll(&room, 1, static_cast<int>(kUnreadPatience.count()));
+    }
   }
 }
 

@@ -39,6 +39,7 @@ class StarterClients {
   struct Client {
     std::unique_ptr<MessageStream> stream;
     bool follows = false;
+    std::uint64_t left_out = 0;     // Lines that it would follow, but does not read.
     std::set<std::string> names{};  // Whose lines; empty: all.
     bool waits_for_end = false;
     std::string restarts{};   // The unit that it waits for; empty: none.
@@ -55,6 +56,7 @@ class StarterClients {
   void AnswerRestart(Client& client);
   void AnswerMove(Client& client);
   static bool Wants(const Client& client, const LogLine& line);
+  static void SendLeftOut(Client& client);
   static void SendLine(Client& client, const LogLine& line);
   static void SendEnd(Client& client, int code, const std::string& sentence = {});
 

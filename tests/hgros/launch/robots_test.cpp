@@ -11,12 +11,15 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <memory>
 #include <regex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
+#include "processes/message_stream.hpp"
 #include "support/await.hpp"
 
 namespace hgros::cli {
@@ -224,6 +227,18 @@ TEST(HgrosRobots, AReaderThatDoesNotReadHoldsUpNobody) {
   close(pipe[1]);
 }
 
+TEST(HgrosRobots, ACommandThatFollowsTheLogTooSlowlySaysWhatIsMissing) {
+  const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
+  CommandRun follows({"logs", "-f", "p"}, robot.folder().environment());
+  ASSERT_TRUE(follows.Prints("again and again"));
+  follows.Signal(SIGSTOP);
+  test::Linger(std::chrono::seconds(1));  // `yes` prints far more in this time than waits for the command.
+  follows.Signal(SIGCONT);
+  EXPECT_TRUE(follows.Prints(" lines were left out here, because nobody read the output."));
+  follows.Signal(SIGINT);
+  EXPECT_EQ(follows.Wait(), 128 + SIGINT) << follows.err();
+}
+
 TEST(HgrosRobots, PsNamesARobotThatDoesNotAnswer) {
   const RobotFolder folder(kTwo);
   CommandRun run(folder.Arguments(), folder.environment());
@@ -265,6 +280,18 @@ class Squatter {
   Squatter(const Squatter&) = delete;
   Squatter& operator=(const Squatter&) = delete;
 
+  // Connects until no more connection waits there.
+  static std::vector<std::unique_ptr<MessageStream>> Fill(const std::string& domain) {
+    std::vector<std::unique_ptr<MessageStream>> waiting;
+    const auto [address, size] = AddressOf(SocketName(domain));
+    int result = 0;
+    while (result == 0 && waiting.size() < 100) {
+      waiting.push_back(
+          std::make_unique<MessageStream>(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)));
+      result = connect(waiting.back()->descriptor(), reinterpret_cast<const sockaddr*>(&address), size);
+    }
+    return waiting;
+  }
   static std::string SocketName(const std::string& domain) {
     return "hgros-run/" + std::to_string(getuid()) + "/" + domain + "/robot";
   }
@@ -285,6 +312,8 @@ TEST(HgrosRobots, AnotherUserCannotPassForARobot) {
   const Squatter squatter(folder.environment().at("HGROS_DOMAIN"));
   EXPECT_THAT(folder.Run().err, HasSubstr("Another user of this host has taken the name of the robot \"robot\"."));
   EXPECT_EQ(folder.Run({"--detach", "--name", "mine"}).status, 0);
+  const auto filled = Squatter::Fill(folder.environment().at("HGROS_DOMAIN"));  // It never accepts.
+  EXPECT_THAT(RunToEnd({"ps"}, folder.environment()).out, HasSubstr("relay/Does"));
   EXPECT_EQ(RunToEnd({"stop"}, folder.environment()).status, 0) << "It is the only one.";
 }
 
