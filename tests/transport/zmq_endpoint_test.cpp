@@ -203,6 +203,7 @@ TEST(ZmqEndpoint, MessagesThatARemovedEndpointHasReceivedAreStillDelivered) {
   // These messages wait in ZeroMQ until the first has run, and are then read together.
   for (int i = 0; i < 20; ++i) publish();
   ASSERT_TRUE(Eventually([&] { return other_sink.count() == 21; }));
+  test::Linger(std::chrono::milliseconds(100));  // Nothing tells when ZeroMQ has them for this one, too.
   first.Open();
   ASSERT_TRUE(Eventually([&] { return sink.count() == 2; }));
   EXPECT_TRUE(b.transport->RemoveSubscribeEndpoint(folder.Ipc()));
