@@ -67,14 +67,13 @@ hgros_status Guarded(F&& run) {
     return FailHere();
   }
 }
-// The same for a function that creates `*out`, which is null if it fails.
+// The same for a function that creates `*out`, which is null if it fails. Without a place for it nothing is made.
 template <class T, class F>
 hgros_status Creating(T** out, F&& make) {
   if (out != nullptr) *out = nullptr;
   return Guarded([&] {
-    auto made = make();
     T*& place = Given(out, "the place for the result");
-    place = made.release();
+    place = make().release();
   });
 }
 
@@ -114,6 +113,26 @@ class User {
   void* const user_;
   const hgros_release release_;
 };
+
+// Lets `user` go in any case, also if there is no memory.
+inline std::shared_ptr<const User> KeepUser(void* user, hgros_release release) {
+  try {
+    return std::make_shared<const User>(user, release);
+  } catch (...) {
+    if (release != nullptr) release(user);
+    throw;
+  }
+}
+// Creating() for what has a callback: `make` gets its User, which is let go whatever happens.
+template <class T, class F>
+hgros_status CreatingFor(void* user, hgros_release release, T** out, F&& make) {
+  if (out != nullptr) *out = nullptr;
+  return Guarded([&] {
+    const std::shared_ptr<const User> kept = KeepUser(user, release);
+    T*& place = Given(out, "the place for the result");
+    place = make(kept).release();
+  });
+}
 
 // Marks this thread as running a callback of an object, such as a session, while it lives. Marks nest.
 class InCallback {

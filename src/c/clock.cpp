@@ -63,8 +63,7 @@ hgros_status hgros_session_sleep_until(const hgros_session* session, int64_t due
 hgros_status hgros_timer_open(hgros_session* session, const char* name, int64_t period_ns,
                               const hgros_timer_options* options, hgros_timer_callback callback, void* user,
                               hgros_release release, hgros_timer** timer) {
-  return c::Creating(timer, [&] {
-    const auto kept = std::make_shared<const c::User>(user, release);
+  return c::CreatingFor(user, release, timer, [&](const std::shared_ptr<const c::User>& kept) {
     const hgros_session& on = c::Given(session, "session");
     if (callback == nullptr) c::RefuseNull("callback");
     const hgros_timer_options chosen = c::OptionsFrom(options);

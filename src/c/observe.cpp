@@ -122,8 +122,7 @@ void hgros_watch_close(hgros_watch* watch) { delete watch; }
 
 hgros_status hgros_watch_peers(hgros_session* session, hgros_peer_callback callback, void* user, hgros_release release,
                                hgros_watch** watch) {
-  return c::Creating(watch, [&] {
-    const auto kept = std::make_shared<const c::User>(user, release);
+  return c::CreatingFor(user, release, watch, [&](const std::shared_ptr<const c::User>& kept) {
     const hgros_session& on = c::Given(session, "session");
     if (callback == nullptr) c::RefuseNull("callback");
     auto made = std::make_unique<hgros_watch>();

@@ -81,8 +81,7 @@ hgros_status hgros_reply_fail(hgros_reply* reply, const char* sentence) {
 hgros_status hgros_serve(hgros_session* session, const char* name, const hgros_schema* request,
                          const hgros_schema* reply, const hgros_serve_options* options, hgros_service_handler handler,
                          void* user, hgros_release release, hgros_service** service) {
-  return c::Creating(service, [&] {
-    const auto kept = std::make_shared<const c::User>(user, release);
+  return c::CreatingFor(user, release, service, [&](const std::shared_ptr<const c::User>& kept) {
     const hgros_session& on = c::Given(session, "session");
     const std::string_view served = c::Text(name, "name");
     if (handler == nullptr) c::RefuseNull("handler");
@@ -121,24 +120,27 @@ hgros_status hgros_call_later(hgros_session* session, const char* name, const hg
                               const void* data, size_t size, const hgros_schema* reply_schema, int64_t timeout_ns,
                               hgros_reply_callback callback, void* user, hgros_release release,
                               hgros_pending_call** call) {
-  return c::Creating(call, [&] {
-    const auto kept = std::make_shared<const c::User>(user, release);
+  if (call != nullptr) *call = nullptr;
+  return c::Guarded([&] {
+    const auto kept = c::KeepUser(user, release);
     hgros_session& on = c::Given(session, "session");
     if (callback == nullptr) c::RefuseNull("callback");
-    auto made = std::make_unique<hgros_pending_call>();
-    made->ticket = on.session->CallRaw(c::Text(name, "name"), c::SchemaIn(request_schema, "request_schema"),
-                                       c::Borrowed(data, size), c::SchemaOrAny(reply_schema), c::Timeout(timeout_ns),
-                                       [callback, kept, life = on.life](const c::RawResult& result) {
-                                         const c::InCallback inside(life.get());
-                                         if (!result) {
-                                           const hgros::CallFailure& failure = result.failure();
-                                           return callback(kept->get(), c::StatusOf(failure.kind),
-                                                           failure.reason.c_str(), nullptr);
-                                         }
-                                         const hgros_message message(result.reply());
-                                         callback(kept->get(), HGROS_OK, "", &message);
-                                       });
-    return made;
+    auto made = call == nullptr ? nullptr : std::make_unique<hgros_pending_call>();
+    auto ticket = on.session->CallRaw(c::Text(name, "name"), c::SchemaIn(request_schema, "request_schema"),
+                                      c::Borrowed(data, size), c::SchemaOrAny(reply_schema), c::Timeout(timeout_ns),
+                                      [callback, kept, life = on.life](const c::RawResult& result) {
+                                        const c::InCallback inside(life.get());
+                                        if (!result) {
+                                          const hgros::CallFailure& failure = result.failure();
+                                          return callback(kept->get(), c::StatusOf(failure.kind),
+                                                          failure.reason.c_str(), nullptr);
+                                        }
+                                        const hgros_message message(result.reply());
+                                        callback(kept->get(), HGROS_OK, "", &message);
+                                      });
+    if (call == nullptr) return;
+    made->ticket = std::move(ticket);
+    *call = made.release();
   });
 }
 

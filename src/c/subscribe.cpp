@@ -145,8 +145,7 @@ namespace c = hgros::c;
 hgros_status hgros_subscribe(hgros_session* session, const char* channel, const hgros_subscribe_options* options,
                              hgros_message_callback callback, void* user, hgros_release release,
                              hgros_subscription** subscription) {
-  return c::Creating(subscription, [&] {
-    const auto kept = std::make_shared<const c::User>(user, release);
+  return c::CreatingFor(user, release, subscription, [&](const std::shared_ptr<const c::User>& kept) {
     hgros_session& on = c::Given(session, "session");
     const std::string_view name = c::Text(channel, "channel");
     if (callback == nullptr) c::RefuseNull("callback");

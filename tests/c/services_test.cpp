@@ -9,6 +9,20 @@ using test::Await;
 using test::LastError;
 using test::LogLines;
 
+struct Ended {
+  std::atomic<int> calls{0};
+  std::atomic<int> released{0};
+  std::atomic<hgros_status> status{-1};
+  std::string reply;
+  static void Note(void* user, hgros_status status, const char* sentence, const hgros_message* reply) {
+    auto& self = *static_cast<Ended*>(user);
+    self.reply = reply == nullptr ? sentence : test::TextOf(reply);
+    self.status = status;
+    ++self.calls;
+  }
+  static void Release(void* user) { ++static_cast<Ended*>(user)->released; }
+};
+
 class CServices : public testing::Test {
  protected:
   // Replies with the request, or fails with it if it begins with "!". "?" gets no reply.
@@ -28,6 +42,24 @@ class CServices : public testing::Test {
               HGROS_OK)
         << LastError();
     return test::ServiceHandle(service);
+  }
+  // Serves "slow", whose replies are empty and come once the door is open.
+  test::ServiceHandle ServeBehind(test::Door& door, const test::SessionHandle& on) {
+    hgros_service* service = nullptr;
+    EXPECT_EQ(hgros_serve(
+                  on.get(), "slow", text.get(), text.get(), nullptr,
+                  [](void* user, const hgros_message*, hgros_reply* reply) {
+                    static_cast<test::Door*>(user)->Pass();
+                    EXPECT_EQ(hgros_reply_set(reply, nullptr, 0), HGROS_OK);
+                  },
+                  &door, nullptr, &service),
+              HGROS_OK)
+        << LastError();
+    return test::ServiceHandle(service);
+  }
+  hgros_status Later(const char* name, Ended& ended, hgros_pending_call** call) {
+    return hgros_call_later(session.get(), name, text.get(), "later", 5, nullptr, -1, &Ended::Note, &ended,
+                            &Ended::Release, call);
   }
   // The reply, or the name of the status.
   std::string Call(const test::SessionHandle& from, const std::string& request, const hgros_schema* schema = nullptr) {
@@ -72,27 +104,11 @@ TEST_F(CServices, MissingServerAndWrongTypeAreToldApart) {
             HGROS_ERROR);
 }
 
-struct Ended {
-  std::atomic<int> calls{0};
-  std::atomic<int> released{0};
-  std::atomic<hgros_status> status{-1};
-  std::string reply;
-  static void Note(void* user, hgros_status status, const char* sentence, const hgros_message* reply) {
-    auto& self = *static_cast<Ended*>(user);
-    self.reply = reply == nullptr ? sentence : test::TextOf(reply);
-    self.status = status;
-    ++self.calls;
-  }
-  static void Release(void* user) { ++static_cast<Ended*>(user)->released; }
-};
-
 TEST_F(CServices, ReplyComesToACallbackOnce) {
   const auto service = Serve(session);
   Ended ended;
   hgros_pending_call* call = nullptr;
-  ASSERT_EQ(hgros_call_later(session.get(), "echo", text.get(), "later", 5, nullptr, -1, &Ended::Note, &ended,
-                             &Ended::Release, &call),
-            HGROS_OK);
+  ASSERT_EQ(Later("echo", ended, &call), HGROS_OK);
   ASSERT_TRUE(Await([&] { return ended.calls == 1; }));
   EXPECT_EQ(ended.status, HGROS_OK);
   EXPECT_EQ(ended.reply, "later");
@@ -102,25 +118,33 @@ TEST_F(CServices, ReplyComesToACallbackOnce) {
   EXPECT_EQ(ended.calls, 1);
 }
 
+TEST_F(CServices, CallLaterNeedsNoHandle) {
+  const auto service = Serve(session);
+  Ended ended;
+  ASSERT_EQ(Later("echo", ended, nullptr), HGROS_OK) << LastError();
+  ASSERT_TRUE(Await([&] { return ended.released == 1; }));
+  EXPECT_EQ(ended.calls, 1);
+  EXPECT_EQ(ended.status, HGROS_OK);
+}
+
+TEST_F(CServices, HandlerWithoutAPlaceForItsServiceIsNotServed) {
+  Ended ended;
+  EXPECT_EQ(
+      hgros_serve(session.get(), "echo", text.get(), text.get(), nullptr, &Echo, &ended, &Ended::Release, nullptr),
+      HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(ended.released, 1);
+  EXPECT_EQ(Call(session, "x"), "<no server>");
+}
+
 TEST_F(CServices, CancelledCallTellsItsCallback) {
   test::Door door;
-  hgros_service* service = nullptr;
-  ASSERT_EQ(hgros_serve(
-                session.get(), "slow", text.get(), text.get(), nullptr,
-                [](void* user, const hgros_message*, hgros_reply* reply) {
-                  static_cast<test::Door*>(user)->Pass();
-                  (void)hgros_reply_set(reply, nullptr, 0);
-                },
-                &door, nullptr, &service),
-            HGROS_OK);
-  const test::ServiceHandle owned(service);
+  const auto service = ServeBehind(door, session);
   Ended ended;
   hgros_pending_call* call = nullptr;
-  ASSERT_EQ(hgros_call_later(session.get(), "slow", text.get(), nullptr, 0, nullptr, -1, &Ended::Note, &ended, nullptr,
-                             &call),
-            HGROS_OK);
+  ASSERT_EQ(Later("slow", ended, &call), HGROS_OK);
   hgros_call_cancel(call);
-  EXPECT_TRUE(Await([&] { return ended.calls == 1; }));
+  EXPECT_TRUE(Await([&] { return ended.released == 1; }));
+  EXPECT_EQ(ended.calls, 1);
   EXPECT_EQ(ended.status, HGROS_CANCELLED);
   hgros_call_free(call);
   door.Open();
@@ -129,21 +153,10 @@ TEST_F(CServices, CancelledCallTellsItsCallback) {
 TEST_F(CServices, EndOfTheSessionEndsItsCalls) {
   test::Door door;
   const auto other = test::Open(yaml, others_log, "other");
-  hgros_service* service = nullptr;
-  ASSERT_EQ(hgros_serve(
-                other.get(), "slow", text.get(), text.get(), nullptr,
-                [](void* user, const hgros_message*, hgros_reply* reply) {
-                  static_cast<test::Door*>(user)->Pass();
-                  (void)hgros_reply_set(reply, nullptr, 0);
-                },
-                &door, nullptr, &service),
-            HGROS_OK);
-  const test::ServiceHandle owned(service);
+  const auto service = ServeBehind(door, other);
   Ended ended;
   hgros_pending_call* call = nullptr;
-  ASSERT_EQ(hgros_call_later(session.get(), "slow", text.get(), nullptr, 0, nullptr, -1, &Ended::Note, &ended,
-                             &Ended::Release, &call),
-            HGROS_OK);
+  ASSERT_EQ(Later("slow", ended, &call), HGROS_OK);
   session.reset();
   EXPECT_EQ(ended.calls, 1);
   EXPECT_EQ(ended.status, HGROS_CLOSED);

@@ -53,7 +53,8 @@ typedef struct hgros_pending_call hgros_pending_call;
 /// library, or on the thread that closes the session.
 typedef void (*hgros_reply_callback)(void* user, hgros_status status, const char* sentence, const hgros_message* reply);
 
-/// As hgros_call(), but does not wait. If this function fails, the callback is not called.
+/// As hgros_call(), but does not wait. `call` may be NULL if nobody cancels. If this function fails, the callback is not
+/// called.
 hgros_status hgros_call_later(hgros_session* session, const char* name, const hgros_schema* request_schema,
                               const void* data, size_t size, const hgros_schema* reply_schema, int64_t timeout_ns,
                               hgros_reply_callback callback, void* user, hgros_release release,
