@@ -113,11 +113,21 @@ ParamInfo InfoFrom(const hgros_param_info* given) {
   return info;
 }
 
-void Tell(hgros_param_callback callback, const User& user, const ParamEvent& event) {
+// What the handle of a watch and its calls share. A callback may close the watch, and free `user` then.
+struct Watched {
+  ParamPath path;
+  hgros_param_callback callback;
+  std::shared_ptr<const User> user;
+  std::shared_ptr<const std::atomic<bool>> closed;
+};
+
+void Tell(const Watched& watched, const ParamEvent& event) {
   for (const ParamPath& path : event.paths) {
+    if (watched.closed->load(std::memory_order_acquire)) return;
+    if (!path.Overlaps(watched.path)) continue;
     const ParamView value = event.after.At(path);
     const std::string yaml = value.exists() ? value.ToYaml() : std::string();
-    callback(user.get(), path.ToString().c_str(), value.exists() ? yaml.c_str() : nullptr);
+    watched.callback(watched.user->get(), path.ToString().c_str(), value.exists() ? yaml.c_str() : nullptr);
   }
 }
 
@@ -242,18 +252,19 @@ hgros_status hgros_params_watch(hgros_params* params, const char* path, hgros_pa
                                 hgros_release release, hgros_watch** watch) {
   if (watch != nullptr) *watch = nullptr;
   return c::Guarded([&] {
-    const auto kept = std::make_shared<const c::User>(user, release);
+    const auto kept = c::KeepUser(user, release);
     if (callback == nullptr) c::RefuseNull("callback");
     return c::UseParams(params, [&](c::Params& of) {
-      const auto tell = [callback, kept, life = params->life,
-                         held = static_cast<const void*>(params->held.get())](const hgros::ParamEvent& event) {
-        const c::InCallback inside(life.get());
-        const c::InCallback inside_params(held);
-        c::Tell(callback, *kept, event);
-      };
       hgros_watch*& place = c::Given(watch, "the place for the result");
       auto made = std::make_unique<hgros_watch>();
       const std::string_view at = c::Text(path, "path");
+      const auto tell = [watched = c::Watched{hgros::ParamPath::Parse(at), callback, kept, made->closed},
+                         life = params->life,
+                         held = static_cast<const void*>(params->held.get())](const hgros::ParamEvent& event) {
+        const c::InCallback inside(life.get());
+        const c::InCallback inside_params(held);
+        c::Tell(watched, event);
+      };
       if (of.own) made->listening = of.own->OnChange(at, tell);
       if (of.remote) made->subscription = of.remote->Watch(at, tell);
       place = made.release();

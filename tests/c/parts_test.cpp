@@ -147,6 +147,29 @@ TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
   EXPECT_EQ(hgros_params_declare(remote.get(), "x", HGROS_PARAM_BOOL, "true", nullptr), HGROS_ERROR);
 }
 
+TEST_F(CParts, WatchTellsOnlyOfItsPathAndNotOnceItIsClosed) {
+  const auto params = Params(nullptr);
+  ASSERT_EQ(hgros_params_set(params.get(), "arm", "{speed: 1, torque: 2}"), HGROS_OK);
+  struct Watcher {
+    std::vector<std::string> seen;
+    hgros_watch* watch = nullptr;
+    bool closes = false;
+  } part;
+  Watcher closing;
+  closing.closes = true;
+  const auto note = [](void* user, const char* path, const char* value) {
+    auto& self = *static_cast<Watcher*>(user);
+    self.seen.push_back(std::string(path) + "=" + value);
+    if (self.closes) hgros_watch_close(self.watch);
+  };
+  ASSERT_EQ(hgros_params_watch(params.get(), "arm.speed", note, &part, nullptr, &part.watch), HGROS_OK);
+  const test::WatchHandle watching(part.watch);
+  ASSERT_EQ(hgros_params_watch(params.get(), "arm", note, &closing, nullptr, &closing.watch), HGROS_OK);
+  ASSERT_EQ(hgros_params_set(params.get(), "arm", "{speed: 3, torque: 4}"), HGROS_OK) << LastError();
+  EXPECT_EQ(part.seen, std::vector<std::string>{"arm.speed=3"}) << "the other one has changed, too";
+  EXPECT_EQ(closing.seen.size(), 1U) << "closed in the first of two calls";
+}
+
 hgros_transform Pose(double x, std::int64_t stamp_ns) { return {{x, 0, 0}, {0, 0, 0, 1}, stamp_ns}; }
 
 TEST_F(CParts, TransformsAreLookedUpByNameOrSayWhyNot) {
