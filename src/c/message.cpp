@@ -20,9 +20,11 @@ std::unique_ptr<hgros_schema> NewSchema(const MessageSchema& schema) {
 
 }  // namespace
 
+void CountLease() noexcept { leases.fetch_add(1, std::memory_order_relaxed); }
+
 std::unique_ptr<hgros_message> NewLease(std::shared_ptr<const RawMessage> raw, const MessageInfo& info) {
   auto lease = std::make_unique<hgros_message>(std::move(raw), info);
-  leases.fetch_add(1, std::memory_order_relaxed);
+  CountLease();
   return lease;
 }
 
@@ -106,7 +108,6 @@ hgros_status hgros_message_get_info(const hgros_message* message, hgros_message_
 hgros_status hgros_message_keep(const hgros_message* message, hgros_message** kept) {
   return c::Creating(kept, [&] {
     const hgros_message& of = c::Given(message, "message");
-    (void)c::Given(kept, "the place for the result");  // Before a lease is counted.
     return c::NewLease(of.raw, of.info);
   });
 }

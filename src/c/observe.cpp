@@ -109,7 +109,6 @@ hgros_status hgros_session_snapshot(const hgros_session* session, hgros_message*
   return c::Creating(snapshot, [&] {
     static const auto& schema = *new auto(  // Messages may outlive the program's static objects.
         std::make_shared<const hgros::MessageSchema>(hgros::SchemaOf(hgros::TypeOf<hgros::Snapshot>())));
-    (void)c::Given(snapshot, "the place for the result");  // Before a lease is counted.
     const hgros::Snapshot now = ToMessage(c::Given(session, "session").session->Snapshot());
     auto text = std::make_shared<const std::string>(now.SerializeAsString());
     const hgros::Bytes bytes = hgros::AsBytes(*text);

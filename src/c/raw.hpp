@@ -14,16 +14,25 @@ struct hgros_schema {
 
 // A lease on the heap, or on the stack around a callback.
 struct hgros_message {
-  std::shared_ptr<const hgros::RawMessage> raw;
+  std::shared_ptr<const hgros::RawMessage> raw;  // Null until there is a message.
   hgros_schema schema;
   hgros::MessageInfo info;
 
-  explicit hgros_message(std::shared_ptr<const hgros::RawMessage> message, const hgros::MessageInfo& its_info = {})
-      : raw(std::move(message)), schema{raw->schema}, info(its_info) {}
+  hgros_message() = default;
+  explicit hgros_message(std::shared_ptr<const hgros::RawMessage> message, const hgros::MessageInfo& its_info = {}) {
+    Fill(std::move(message), its_info);
+  }
+  void Fill(std::shared_ptr<const hgros::RawMessage> message, const hgros::MessageInfo& its_info) noexcept {
+    raw = std::move(message);
+    schema.schema = raw->schema;
+    info = its_info;
+  }
 };
 
 namespace hgros::c {
 
+// Counts a lease that the caller gets.
+void CountLease() noexcept;
 // A message that the caller frees; counted as a lease.
 std::unique_ptr<hgros_message> NewLease(std::shared_ptr<const RawMessage> raw, const MessageInfo& info = {});
 

@@ -59,8 +59,9 @@ namespace {
 
 using RawPtr = std::shared_ptr<const RawMessage>;
 
-// Where the callback of a queue puts the message that this thread takes.
-thread_local hgros_message** taken_here = nullptr;
+// Where the callback of a queue puts the message that this thread takes. Created before, because a message that has
+// left the queue must not be lost for want of memory.
+thread_local hgros_message* taken_here = nullptr;
 
 NodeOptions NodeOptionsOf(const hgros_subscribe_options& options, Executor executor) {
   NodeOptions node{std::string(TextOrNone(options.name)), {}, std::move(executor)};
@@ -123,11 +124,16 @@ bool AwaitReadable(int descriptor, std::chrono::steady_clock::time_point deadlin
 hgros_status Take(hgros_subscription& queue, std::int64_t timeout_ns, hgros_message*& taken) {
   if (queue.descriptor < 0) throw InvalidArgument("The subscription has a callback. Open a queue to take messages.");
   const auto deadline = DeadlineIn(Timeout(timeout_ns));
+  auto lease = std::make_unique<hgros_message>();
   for (;;) {
-    hgros_message** const outer = std::exchange(taken_here, &taken);
+    hgros_message* const outer = std::exchange(taken_here, lease.get());
     const std::size_t run = queue.subscription.RunWaiting();
     taken_here = outer;
-    if (taken != nullptr) return HGROS_OK;
+    if (lease->raw) {
+      CountLease();
+      taken = lease.release();
+      return HGROS_OK;
+    }
     if (run > 0) continue;  // A message of another type.
     if (queue.ended.load(std::memory_order_acquire)) return Fail(HGROS_CLOSED, "The queue was closed before.");
     if (queue.life->closed()) return Fail(HGROS_CLOSED, kSessionClosed);
@@ -170,9 +176,7 @@ hgros_status hgros_subscribe_queue(hgros_session* session, const char* channel, 
     auto made = std::make_unique<hgros_subscription>();
     made->life = on.life;
     c::Wire(*made, *on.session, name, c::OptionsFrom(options), hgros::Executor::Polled(),
-            [](c::RawPtr raw, const hgros::MessageInfo& info) {
-              *c::taken_here = c::NewLease(std::move(raw), info).release();
-            });
+            [](c::RawPtr raw, const hgros::MessageInfo& info) { c::taken_here->Fill(std::move(raw), info); });
     made->descriptor = fcntl(made->subscription.descriptor(), F_DUPFD_CLOEXEC, 0);
     if (made->descriptor < 0) {
       throw hgros::Error("The system has no descriptor for the queue: " + std::generic_category().message(errno) + ".",
