@@ -24,7 +24,7 @@
 //   closes or frees it once; NULL is ignored there. Handles may be closed in any order: those of a closed session do
 //   nothing and return HGROS_CLOSED. What a callback gets is valid until it returns. `user` is passed to each call of
 //   its callback. `release`, if given, is called once with `user` when no callback can come any more, also if the
-//   function has failed.
+//   function has failed, unless the function says otherwise.
 //
 // Values
 //   Texts are UTF-8 and end with a zero byte. Times and timeouts are nanoseconds; a timeout of 0 does not wait, a

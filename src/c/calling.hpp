@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <exception>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -20,8 +21,9 @@ inline constexpr std::string_view kSessionClosed = "The session was closed befor
 // What errors name in place of a line of source.
 inline constexpr CallSite kFromC{"a call of the C interface"};
 
-// Remembers the sentence for hgros_last_error() and returns the status.
-hgros_status Fail(hgros_status status, std::string_view sentence) noexcept;
+// Remembers the sentence for hgros_last_error() and returns the status, also if there is no memory for the sentence.
+hgros_status Fail(hgros_status status, std::initializer_list<std::string_view> parts) noexcept;
+inline hgros_status Fail(hgros_status status, std::string_view sentence) noexcept { return Fail(status, {sentence}); }
 // The same for the exception in flight.
 hgros_status FailHere() noexcept;
 
@@ -108,16 +110,18 @@ class User {
     if (release_ != nullptr) release_(user_);
   }
   [[nodiscard]] void* get() const noexcept { return user_; }
+  // The program keeps it. Only while nobody else uses this object.
+  void GiveBack() noexcept { release_ = nullptr; }
 
  private:
   void* const user_;
-  const hgros_release release_;
+  hgros_release release_;
 };
 
 // Lets `user` go in any case, also if there is no memory.
-inline std::shared_ptr<const User> KeepUser(void* user, hgros_release release) {
+inline std::shared_ptr<User> KeepUser(void* user, hgros_release release) {
   try {
-    return std::make_shared<const User>(user, release);
+    return std::make_shared<User>(user, release);
   } catch (...) {
     if (release != nullptr) release(user);
     throw;

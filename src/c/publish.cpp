@@ -30,23 +30,28 @@ namespace {
 hgros_status StatusOf(PublishStatus status, const std::string& channel) noexcept {
   switch (status) {
     case PublishStatus::kOk: return HGROS_OK;
-    case PublishStatus::kFull: return Fail(HGROS_FULL, "A lossless subscriber of channel " + channel + " has no room.");
+    case PublishStatus::kFull: return Fail(HGROS_FULL, {"A lossless subscriber of channel ", channel, " has no room."});
     case PublishStatus::kStopped:
     case PublishStatus::kClosed: return Fail(HGROS_CLOSED, kSessionClosed);
     case PublishStatus::kWouldDeadlock:
-      return Fail(HGROS_WOULD_DEADLOCK, "A callback may not wait for room on channel " + channel +
-                                            ". Publish with a timeout of 0, or on another thread.");
+      return Fail(HGROS_WOULD_DEADLOCK, {"A callback may not wait for room on channel ", channel,
+                                         ". Publish with a timeout of 0, or on another thread."});
     case PublishStatus::kTimedOut:
-      return Fail(HGROS_TIMED_OUT, "A lossless subscriber of channel " + channel + " had no room until the timeout.");
+      return Fail(HGROS_TIMED_OUT, {"A lossless subscriber of channel ", channel, " had no room until the timeout."});
     case PublishStatus::kEmpty: return Fail(HGROS_INVALID_ARGUMENT, "There is no message to publish.");
     case PublishStatus::kTooLarge:
-      return Fail(HGROS_TOO_LARGE, "The message on channel " + channel +
-                                       " is larger than 1 GiB, the most that passes "
-                                       "between sessions.");
+      return Fail(HGROS_TOO_LARGE, {"The message on channel ", channel,
+                                    " is larger than 1 GiB, the most that passes between sessions."});
     case PublishStatus::kNoMemory:
-      return Fail(HGROS_NO_MEMORY, "There is no memory to send the message on channel " + channel + ".");
+      return Fail(HGROS_NO_MEMORY, {"There is no memory to send the message on channel ", channel, "."});
   }
   return Fail(HGROS_ERROR, "Publishing has failed.");
+}
+
+// The caller may publish the same bytes again.
+bool MayBeRepeated(PublishStatus status) noexcept {
+  return status == PublishStatus::kFull || status == PublishStatus::kTimedOut ||
+         status == PublishStatus::kWouldDeadlock;
 }
 
 PublishStatus PublishIn(const RawPublisher& publish, const Payload& payload, std::int64_t timeout_ns) {
@@ -83,13 +88,15 @@ hgros_status hgros_publish_wait(const hgros_publisher* publisher, const void* da
   });
 }
 
-hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void* data, size_t size,
-                                    hgros_release release, void* user, int64_t timeout_ns) {
+hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void* data, size_t size, void* user,
+                                    hgros_release release, int64_t timeout_ns) {
   return c::Guarded([&] {
-    hgros::Payload payload{{}, std::make_shared<const c::User>(user, release)};
-    payload.bytes = c::Borrowed(data, size).bytes;
+    const auto kept = c::KeepUser(user, release);
+    const hgros::Payload payload{c::Borrowed(data, size).bytes, kept};
     const c::Publishing& on = *c::Given(publisher, "publisher").of;
-    return c::StatusOf(c::PublishIn(on.publish, payload, timeout_ns), on.channel);
+    const hgros::PublishStatus status = c::PublishIn(on.publish, payload, timeout_ns);
+    if (c::MayBeRepeated(status)) kept->GiveBack();  // Nobody got the message, so nobody else has it.
+    return c::StatusOf(status, on.channel);
   });
 }
 

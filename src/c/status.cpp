@@ -20,9 +20,11 @@ thread_local LastError last_error;
 
 thread_local const InCallback* InCallback::innermost = nullptr;
 
-hgros_status Fail(hgros_status status, std::string_view sentence) noexcept {
+hgros_status Fail(hgros_status status, std::initializer_list<std::string_view> parts) noexcept {
   try {
-    last_error.text = sentence;
+    std::string text;
+    for (const std::string_view part : parts) text += part;
+    last_error.text = std::move(text);
     last_error.no_memory = false;
   } catch (const std::bad_alloc&) {
     last_error.no_memory = true;

@@ -191,15 +191,35 @@ TEST_F(CMessages, BorrowedBytesAreReleasedOnceTheLastReaderIsDone) {
   const auto count = [](void* user) { ++*static_cast<std::atomic<int>*>(user); };
   const auto publisher = Publisher(session, "words", text);
   const auto queue = test::Queue(session, "words");
-  ASSERT_EQ(hgros_publish_borrowed(publisher.get(), bytes.data(), bytes.size(), count, &released, 0), HGROS_OK);
+  ASSERT_EQ(hgros_publish_borrowed(publisher.get(), bytes.data(), bytes.size(), &released, count, 0), HGROS_OK);
   EXPECT_EQ(released, 0) << "the message waits in the queue";
   hgros_message* message = nullptr;
   ASSERT_EQ(hgros_queue_take(queue.get(), 0, &message), HGROS_OK);
   EXPECT_EQ(hgros_message_data(message, nullptr), bytes.data()) << "not copied inside the process";
   hgros_message_free(message);
   EXPECT_EQ(released, 1);
-  EXPECT_EQ(hgros_publish_borrowed(nullptr, bytes.data(), bytes.size(), count, &released, 0), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_publish_borrowed(nullptr, bytes.data(), bytes.size(), &released, count, 0), HGROS_INVALID_ARGUMENT);
   EXPECT_EQ(released, 2) << "also if it fails";
+}
+
+TEST_F(CMessages, BorrowedBytesForWhichThereIsNoRoomStayTheCallers) {
+  static const std::string bytes = "mine";
+  std::atomic<int> released{0};
+  const auto publisher = Publisher(session, "words", text);
+  const auto queue = test::Queue(session, "words", 1);
+  const auto publish = [&](std::int64_t timeout_ns) {
+    return hgros_publish_borrowed(
+        publisher.get(), bytes.data(), bytes.size(), &released,
+        [](void* user) { ++*static_cast<std::atomic<int>*>(user); }, timeout_ns);
+  };
+  EXPECT_EQ(Publish(publisher, "first"), HGROS_OK);
+  EXPECT_EQ(publish(0), HGROS_FULL);
+  EXPECT_EQ(publish(1'000'000), HGROS_TIMED_OUT);
+  EXPECT_EQ(released, 0);
+  EXPECT_EQ(Take(queue, 0), "first");
+  EXPECT_EQ(publish(0), HGROS_OK);
+  EXPECT_EQ(Take(queue, 0), "mine");
+  EXPECT_EQ(released, 1);
 }
 
 TEST_F(CMessages, AnotherTypeInThisSessionIsRefusedNamingBoth) {

@@ -32,11 +32,12 @@ hgros_status hgros_publish(const hgros_publisher* publisher, const void* data, s
 /// The same, but waits while a lossless subscriber has no room. Errors: also HGROS_TIMED_OUT, and HGROS_WOULD_DEADLOCK
 /// inside a callback.
 hgros_status hgros_publish_wait(const hgros_publisher* publisher, const void* data, size_t size, int64_t timeout_ns);
-/// Publishes the caller's bytes without a copy inside this process. Nobody may write them until `release` is called
-/// with `user`, by any thread, perhaps before this returns. `timeout_ns` as in hgros_publish_wait(); with 0 it never
-/// waits.
-hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void* data, size_t size,
-                                    hgros_release release, void* user, int64_t timeout_ns);
+/// Publishes the caller's bytes without a copy inside this process. Nobody may write or free them until `release` is
+/// called with `user`, by any thread, perhaps before this returns. After HGROS_FULL, HGROS_TIMED_OUT and
+/// HGROS_WOULD_DEADLOCK it is not called: the bytes are the caller's again, who may publish them once more. After any
+/// other status it is. `timeout_ns` as in hgros_publish_wait(); with 0 it never waits.
+hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void* data, size_t size, void* user,
+                                    hgros_release release, int64_t timeout_ns);
 
 /// Memory to fill and publish. It is where receivers on this host read, so publishing it copies nothing.
 typedef struct hgros_loan hgros_loan;
