@@ -75,7 +75,7 @@ hgros_status hgros_timer_open(hgros_session* session, const char* name, int64_t 
         c::Text(name, "name"), hgros::Duration(period_ns),
         [callback, kept, life = on.life](const hgros::Tick& turn) {
           const c::InCallback inside(life.get());
-          const hgros_tick tick{turn.planned.nanoseconds, turn.now.nanoseconds, turn.missed};
+          const hgros_tick tick{sizeof(hgros_tick), turn.planned.nanoseconds, turn.now.nanoseconds, turn.missed};
           callback(kept->get(), &tick);
         },
         std::move(node))});

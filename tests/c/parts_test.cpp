@@ -232,6 +232,7 @@ TEST_F(CParts, TimersFollowASimulatedClock) {
   hgros_timer* opened = nullptr;
   const auto note = [](void* user, const hgros_tick* tick) {
     auto& of = *static_cast<Turns*>(user);
+    EXPECT_EQ(tick->size, sizeof *tick);
     of.planned = tick->planned_ns;
     of.missed = tick->missed;
     ++of.count;

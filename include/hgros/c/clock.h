@@ -22,8 +22,9 @@ hgros_status hgros_session_sleep_until(const hgros_session* session, int64_t due
 /// A callback that is called periodically.
 typedef struct hgros_timer hgros_timer;
 
-/// One turn, valid until the callback returns. New fields may come at the end.
+/// One turn, valid until the callback returns.
 typedef struct hgros_tick {
+  size_t size;
   int64_t planned_ns;  ///< The planned moment, without drift.
   int64_t now_ns;      ///< The clock's time.
   uint64_t missed;     ///< Moments before the planned one that were skipped.
