@@ -7,7 +7,8 @@
 //   Symbols have the version HGROS_0. Functions and constants are never changed or removed; new ones are added.
 //   Structs that may grow begin with `size_t size`: set it to sizeof of the struct before each call, and all other
 //   fields of an options struct to 0 or to a value. 0 and NULL always mean the default. New fields come at the end;
-//   fields beyond `size` are neither read nor written. The other structs never change. Everything else is behind
+//   fields beyond `size` are neither read nor written. A library that is older than the program refuses an option that
+//   it does not know with HGROS_INVALID_ARGUMENT, and fills unknown fields with 0. The other structs never change. Everything else is behind
 //   handles: pointers to types that only the library knows.
 //
 // Errors

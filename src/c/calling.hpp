@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstring>
@@ -79,25 +80,31 @@ hgros_status Creating(T** out, F&& make) {
   });
 }
 
+// Throws unless it may be the size of a struct.
+void RequireStructSize(std::size_t size);
+// Throws if a caller that knows later fields, which begin at `from`, has set one of them.
+void RequireZeros(const void* given, std::size_t from, std::size_t size);
+
 // The struct of a caller that may have been compiled with an earlier or a later version: the fields that it has, the
 // others 0. Null stands for all 0.
 template <class T>
 T OptionsFrom(const T* given) {
   T options{};
   if (given == nullptr) return options;
-  if (given->size < sizeof(std::size_t))
-    throw InvalidArgument("The field \"size\" of a struct is not set. Set it to its sizeof.");
-  std::memcpy(&options, given, given->size < sizeof(T) ? given->size : sizeof(T));
+  RequireStructSize(given->size);
+  RequireZeros(given, sizeof(T), given->size);
+  std::memcpy(&options, given, std::min(given->size, sizeof(T)));
   options.size = sizeof(T);
   return options;
 }
+// Fields of a later version become 0.
 template <class T>
 void FillIn(T* out, T value) {
   const std::size_t size = Given(out, "the struct to fill in").size;
-  if (size < sizeof(std::size_t))
-    throw InvalidArgument("The field \"size\" of a struct is not set. Set it to its sizeof.");
+  RequireStructSize(size);
   value.size = size;
-  std::memcpy(out, &value, size < sizeof(T) ? size : sizeof(T));
+  std::memcpy(out, &value, std::min(size, sizeof(T)));
+  if (size > sizeof(T)) std::memset(reinterpret_cast<std::byte*>(out) + sizeof(T), 0, size - sizeof(T));
 }
 
 // What a program passes to its callback, and lets go when no call can come any more.

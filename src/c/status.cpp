@@ -54,6 +54,23 @@ hgros_status FailHere() noexcept {
 
 void RefuseNull(const char* argument) { throw InvalidArgument(std::string(argument) + " is NULL."); }
 
+void RequireStructSize(std::size_t size) {
+  constexpr std::size_t kMost = 4096;  // More than any version has: the field is not set.
+  if (size >= sizeof(std::size_t) && size <= kMost) return;
+  throw InvalidArgument("The field \"size\" of a struct is not set: it is " + std::to_string(size) +
+                        ". Set it to the struct's sizeof.");
+}
+
+void RequireZeros(const void* given, std::size_t from, std::size_t size) {
+  const auto* const bytes = static_cast<const std::byte*>(given);
+  for (std::size_t at = from; at < size; ++at) {
+    if (bytes[at] == std::byte{0}) continue;
+    throw InvalidArgument("A struct of options has a value at byte " + std::to_string(at) +
+                          ", but this library, version " + HGROS_VERSION ", knows only " + std::to_string(from) +
+                          " bytes of it. Leave the later fields 0, or use a later libhgros_c.");
+  }
+}
+
 char* NewText(std::string_view text) {
   auto* const copy = static_cast<char*>(std::malloc(text.size() + 1));
   if (copy == nullptr) throw std::bad_alloc();

@@ -95,6 +95,33 @@ TEST(CSession, StructsOfAnEarlierVersionAreReadAsFarAsTheyGo) {
   EXPECT_NE(LastError().find("sizeof"), std::string::npos) << LastError();
 }
 
+// What a program compiled with a later version passes.
+template <class T>
+struct Later {
+  T known{};
+  std::uint64_t unknown = 0;
+
+  Later() { known.size = sizeof *this; }
+};
+
+TEST(CSession, FieldsOfALaterVersionAreRefusedUnlessTheyAreZero) {
+  LogLines log;
+  const auto session = test::Open(test::DomainYaml(), log);
+  Later<hgros_subscribe_options> options;
+  hgros_subscription* queue = nullptr;
+  ASSERT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_OK) << LastError();
+  const test::SubscriptionHandle owned(queue);
+  Later<hgros_subscription_stats> stats;
+  stats.unknown = 99;
+  EXPECT_EQ(hgros_subscription_get_stats(queue, &stats.known), HGROS_OK);
+  EXPECT_EQ(stats.unknown, 0U);
+  options.unknown = std::uint64_t{1} << 63U;
+  EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_INVALID_ARGUMENT);
+  EXPECT_NE(LastError().find("byte " + std::to_string(sizeof options - 1)), std::string::npos) << LastError();
+  options.known.size = std::size_t{1} << 40U;
+  EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_INVALID_ARGUMENT) << "garbage";
+}
+
 TEST(CSession, LastErrorBelongsToItsThread) {
   EXPECT_EQ(hgros_publish(nullptr, nullptr, 0), HGROS_INVALID_ARGUMENT);
   std::string there = "unset";
