@@ -3,9 +3,10 @@
 
     abi_test.py COMPILER INCLUDE LIBRARY LIST [--update]
 
-The list has each exported symbol with its version, each constant with its value, and the size of each struct with the
-offsets of its fields, as the compiler lays them out here. Lines may be added; a line that is missing or different breaks
-programs that were compiled before. --update writes the list: use it when something was added.
+The list has each exported symbol with its version, each constant with its value, the size of each struct with the
+offsets of its fields, as the compiler lays them out here, and the types of each function and callback. Lines may be
+added; a line that is missing or different breaks programs that were compiled before. --update writes the list: use it when
+something was added.
 """
 
 import pathlib
@@ -22,10 +23,28 @@ def symbols(library):
     return [f"symbol {name}" for name in names if not re.fullmatch(r"HGROS_\d+", name)]
 
 
-def layout(compiler, include):
-    """Constants and structs of the headers, by a program that prints them; and the names of the functions."""
+def declarations(include):
+    """The headers without comments."""
     headers = sorted((include / "hgros" / "c").glob("*.h"))
-    text = re.sub(r"//.*", "", "\n".join(header.read_text(encoding="utf-8") for header in headers))
+    return re.sub(r"//.*", "", "\n".join(header.read_text(encoding="utf-8") for header in headers))
+
+
+def types(parameters):
+    """The types of a list of parameters, without their names."""
+    each = [" ".join(one.split()) for one in parameters.split(",")]
+    return ", ".join(one if " " not in one else re.sub(r"\s*\b\w+$", "", one) for one in each)
+
+
+def prototypes(text):
+    """'function RESULT NAME(TYPES)' for each function, 'callback RESULT NAME(TYPES)' for each typedef of one."""
+    functions = re.findall(r"^((?:const )?\w+\*?)\s+(hgros_\w+)\(([^()]*)\);", text, re.MULTILINE)
+    callbacks = re.findall(r"^typedef (\w+) \(\*(hgros_\w+)\)\(([^()]*)\);", text, re.MULTILINE)
+    return [f"{kind} {result} {name}({types(parameters)})"
+            for kind, found in (("function", functions), ("callback", callbacks)) for result, name, parameters in found]
+
+
+def layout(compiler, include, text):
+    """Constants and structs of the headers, by a program that prints them."""
     lines = []
     for body in re.findall(r"\benum\s*\{(.*?)\}", text, re.DOTALL):
         lines += [f'printf("constant {name} %d\\n", (int){name});' for name in re.findall(r"(HGROS_\w+)\s*=", body)]
@@ -34,7 +53,6 @@ def layout(compiler, include):
         for field in re.findall(r"(\w+)(?:\[\d+\])?;", body):
             lines.append(f'printf("field {name}.{field} %zu %zu\\n", offsetof({name}, {field}), '
                          f'sizeof((({name}*)0)->{field}));')
-    functions = set(re.findall(r"\b(hgros_\w+)\(", text))
     with tempfile.TemporaryDirectory() as folder:
         source = pathlib.Path(folder, "layout.c")
         source.write_text("#include <hgros/hgros.h>\n#include <stdio.h>\nint main(void) {\n" + "\n".join(lines) +
@@ -43,15 +61,19 @@ def layout(compiler, include):
         subprocess.run([compiler, "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{include}", source, "-o",
                         program], check=True)
         printed = subprocess.run([program], check=True, capture_output=True, text=True).stdout.splitlines()
-    return printed, functions
+    return printed
 
 
 def main():
     compiler, include, library, known = sys.argv[1:5]
     known = pathlib.Path(known)
     exported = symbols(library)
-    printed, declared = layout(compiler, pathlib.Path(include))
-    faults = []
+    text = declarations(pathlib.Path(include))
+    printed = layout(compiler, pathlib.Path(include), text)
+    typed = prototypes(text)
+    declared = set(re.findall(r"\b(hgros_\w+)\(", text))
+    faults = [f"the types of {name} cannot be read: declare it in one form with the others"
+              for name in sorted(declared - {re.search(r"(\w+)\(", one)[1] for one in typed})]
     names = {one.split()[1].split("@")[0] for one in exported}
     faults += [f"{name} is declared, but not exported" for name in sorted(declared - names)]
     faults += [f"{name} is exported, but not declared in the headers" for name in sorted(names - declared)]
@@ -64,7 +86,7 @@ def main():
             ends[struct] = max(ends.get(struct, 0), int(offset) + int(size))
     faults += [f"{line} ends in padding, which a later field would share: put a smaller field before the others"
                for line in printed if line.startswith("struct ") and ends[line.split()[1]] != int(line.split()[2])]
-    now = sorted(exported) + sorted(printed)
+    now = sorted(exported) + sorted(printed) + sorted(typed)
     if "--update" in sys.argv and not faults:
         known.write_text("".join(f"{line}\n" for line in now), encoding="utf-8")
         return 0
