@@ -8,8 +8,8 @@
 //   Structs that may grow begin with `size_t size`: set it to sizeof of the struct before each call, and all other
 //   fields of an options struct to 0 or to a value. 0 and NULL always mean the default. New fields come at the end;
 //   fields beyond `size` are neither read nor written. A library that is older than the program refuses an option that
-//   it does not know with HGROS_INVALID_ARGUMENT, and fills unknown fields with 0. The other structs never change. Everything else is behind
-//   handles: pointers to types that only the library knows.
+//   it does not know with HGROS_INVALID_ARGUMENT, and fills unknown fields with 0. The other structs never change.
+//   Everything else is behind handles: pointers to types that only the library knows.
 //
 // Errors
 //   A function that can fail returns a hgros_status. If it is not HGROS_OK, hgros_last_error() has a sentence about it
@@ -18,7 +18,8 @@
 //
 // Threads
 //   Every function may be called by any thread and inside callbacks, unless it says otherwise. Callbacks run on threads
-//   of the library. Close a handle when no other thread uses it, and no longer use it then.
+//   of the library, perhaps before the function that makes their handle has returned it. Close a handle when no other
+//   thread uses it, and no longer use it then. hgros_session_end() wakes the threads that wait for a session.
 //
 // Ownership
 //   Arguments are read during the call and belong to the caller. A handle that is returned belongs to the caller, who

@@ -18,7 +18,7 @@
 // How a function of the C interface calls C++, and how C++ calls back.
 namespace hgros::c {
 
-inline constexpr std::string_view kSessionClosed = "The session was closed before.";
+inline constexpr std::string_view kSessionClosed = "The session has ended.";
 // What errors name in place of a line of source.
 inline constexpr CallSite kFromC{"a call of the C interface"};
 
@@ -36,6 +36,11 @@ class InvalidArgument : public std::exception {
 
  private:
   std::string sentence_;
+};
+// The session has ended; becomes HGROS_CLOSED.
+class SessionClosed : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override { return kSessionClosed.data(); }
 };
 [[noreturn]] void RefuseNull(const char* argument);
 

@@ -53,7 +53,7 @@ int64_t hgros_session_now(const hgros_session* session) {
 
 hgros_status hgros_session_sleep_until(const hgros_session* session, int64_t due_ns) {
   return c::Guarded([&] {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
     const auto clock = on.session->clock();
     if (SleepUntil(*clock, hgros::Time{due_ns}, on.life->stop())) return hgros_status{HGROS_OK};
     return c::Fail(HGROS_CLOSED, c::kSessionClosed);
@@ -64,7 +64,7 @@ hgros_status hgros_timer_open(hgros_session* session, const char* name, int64_t 
                               const hgros_timer_options* options, hgros_timer_callback callback, void* user,
                               hgros_release release, hgros_timer** timer) {
   return c::CreatingFor(user, release, timer, [&](const std::shared_ptr<const c::User>& kept) {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
     if (callback == nullptr) c::RefuseNull("callback");
     const hgros_timer_options chosen = c::OptionsFrom(options);
     hgros::NodeTimerOptions node;
@@ -87,7 +87,7 @@ void hgros_timer_close(hgros_timer* timer) { delete timer; }
 hgros_status hgros_simulated_clock_open(hgros_session* session, int64_t start_ns, int32_t paused,
                                         hgros_simulated_clock** clock) {
   return c::Creating(clock, [&] {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
     const hgros::Time start{start_ns};
     auto shown = paused != 0 ? hgros::SimulatedClock::Paused(start) : std::make_shared<hgros::SimulatedClock>(start);
     auto held = std::make_shared<c::Held<c::PublishedClock>>(

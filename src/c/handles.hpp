@@ -24,6 +24,8 @@ namespace hgros::c {
 class Dependent {
  public:
   virtual ~Dependent() = default;
+  // Refuses further use and wakes the uses that wait. Does not wait.
+  virtual void Stop() noexcept = 0;
   // Refuses further use, waits for the uses that run, and destroys the object.
   virtual void End() = 0;
   // The session was left inside a callback: the object stays until the process ends, as the session does.
@@ -37,20 +39,26 @@ class Life {
  public:
   explicit Life(Session& session) : session_(&session) {}
 
-  [[nodiscard]] bool closed() const noexcept { return closed_.load(std::memory_order_acquire); }
+  // The session has ended, or this is a forked child: the locks here may be held by threads that it does not have.
+  [[nodiscard]] bool closed() const noexcept { return closed_.load(std::memory_order_acquire) || fork_.IsChild(); }
+  [[nodiscard]] bool in_forked_child() const noexcept { return fork_.IsChild(); }
   [[nodiscard]] std::stop_token stop() const noexcept { return stop_.get_token(); }
   // Runs `use` with the session, which does not end meanwhile. `use` must not wait.
   template <class F>
   hgros_status Use(F&& use) {
+    if (closed()) return Fail(HGROS_CLOSED, kSessionClosed);
     const std::shared_lock lock(mutex_);
     if (session_ == nullptr) return Fail(HGROS_CLOSED, kSessionClosed);
     return use(*session_);
   }
   void Add(const std::shared_ptr<Dependent>& dependent);
-  // The session is about to end. `inside`: in one of its callbacks.
+  // Wakes all that wait for the session, and refuses its further use. Does not wait.
+  void Stop();
+  // The session is about to be destroyed. `inside`: in one of its callbacks.
   void End(bool inside);
 
  private:
+  const ForkGuard fork_;
   std::atomic<bool> closed_{false};
   std::stop_source stop_;
   std::shared_mutex mutex_;
@@ -66,18 +74,19 @@ class Held final : public Dependent {
  public:
   explicit Held(std::unique_ptr<T> object) : object_(std::move(object)) {}
   ~Held() override {
-    if (left_) LeaveToParent(std::shared_ptr<const T>(std::move(object_)));  // Kept, as the session is.
+    if (left_ || fork_.IsChild())
+      LeaveToParent(std::shared_ptr<const T>(std::move(object_)));  // Kept, as the session is.
   }
 
   template <class F>
   hgros_status Use(F&& use) {
     T* object = nullptr;
-    {
+    if (!fork_.IsChild()) {
       const std::scoped_lock lock(mutex_);
       if (!ended_) object = object_.get();
       if (object != nullptr) ++uses_;
     }
-    if (object == nullptr) return Fail(HGROS_CLOSED, "The session or this handle was closed before.");
+    if (object == nullptr) return Fail(HGROS_CLOSED, "The session has ended, or this handle was closed before.");
     const auto leave = [this](T*) {
       const std::scoped_lock lock(mutex_);
       if (--uses_ == 0) unused_.notify_all();
@@ -87,23 +96,28 @@ class Held final : public Dependent {
   }
   [[nodiscard]] std::stop_token stop() const noexcept { return stop_.get_token(); }
 
-  void End() override {
+  void Stop() noexcept override {
     stop_.request_stop();
+    const std::scoped_lock lock(mutex_);
+    ended_ = true;
+  }
+  void End() override {
+    if (fork_.IsChild()) return;
+    Stop();
     std::unique_ptr<T> ended;  // Destroyed without the lock, because its callbacks may use the handle.
     std::unique_lock lock(mutex_);
-    ended_ = true;
     unused_.wait(lock, [this] { return uses_ == 0; });
     if (!left_) ended = std::move(object_);
     lock.unlock();
   }
   void Leave() noexcept override {
-    stop_.request_stop();
+    Stop();
     const std::scoped_lock lock(mutex_);
-    ended_ = true;
     left_ = true;
   }
 
  private:
+  const ForkGuard fork_;
   std::stop_source stop_;
   std::mutex mutex_;
   std::condition_variable unused_;
@@ -132,3 +146,15 @@ struct hgros_session {
   std::unique_ptr<hgros::Session> session;
   std::shared_ptr<hgros::c::Life> life;
 };
+
+namespace hgros::c {
+
+// A session that can be used; throws otherwise.
+inline hgros_session& Opened(hgros_session* session) {
+  hgros_session& on = Given(session, "session");
+  if (on.life->closed()) throw SessionClosed();
+  return on;
+}
+inline const hgros_session& Opened(const hgros_session* session) { return Opened(const_cast<hgros_session*>(session)); }
+
+}  // namespace hgros::c

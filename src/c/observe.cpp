@@ -52,8 +52,8 @@ int32_t EventOf(PeerEvent::Kind kind) noexcept {
 namespace c = hgros::c;
 
 hgros_status hgros_peers_open(const hgros_session* session, hgros_peers** peers) {
-  return c::Creating(
-      peers, [&] { return std::make_unique<hgros_peers>(hgros_peers{c::Given(session, "session").session->Peers()}); });
+  return c::Creating(peers,
+                     [&] { return std::make_unique<hgros_peers>(hgros_peers{c::Opened(session).session->Peers()}); });
 }
 
 size_t hgros_peers_count(const hgros_peers* peers) { return peers == nullptr ? 0 : peers->list.size(); }
@@ -66,7 +66,7 @@ void hgros_peers_free(hgros_peers* peers) { delete peers; }
 
 hgros_status hgros_channels_open(hgros_session* session, hgros_channels** channels) {
   return c::Creating(channels, [&] {
-    return std::make_unique<hgros_channels>(hgros_channels{c::Given(session, "session").session->Channels()});
+    return std::make_unique<hgros_channels>(hgros_channels{c::Opened(session).session->Channels()});
   });
 }
 
@@ -109,7 +109,7 @@ hgros_status hgros_session_snapshot(const hgros_session* session, hgros_message*
   return c::Creating(snapshot, [&] {
     static const auto& schema = *new auto(  // Messages may outlive the program's static objects.
         std::make_shared<const hgros::MessageSchema>(hgros::SchemaOf(hgros::TypeOf<hgros::Snapshot>())));
-    const hgros::Snapshot now = ToMessage(c::Given(session, "session").session->Snapshot());
+    const hgros::Snapshot now = ToMessage(c::Opened(session).session->Snapshot());
     auto text = std::make_shared<const std::string>(now.SerializeAsString());
     const hgros::Bytes bytes = hgros::AsBytes(*text);
     return c::NewLease(
@@ -122,7 +122,7 @@ void hgros_watch_close(hgros_watch* watch) { delete watch; }
 hgros_status hgros_watch_peers(hgros_session* session, hgros_peer_callback callback, void* user, hgros_release release,
                                hgros_watch** watch) {
   return c::CreatingFor(user, release, watch, [&](const std::shared_ptr<const c::User>& kept) {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
     if (callback == nullptr) c::RefuseNull("callback");
     auto made = std::make_unique<hgros_watch>();
     made->subscription = on.session->FromGraph<hgros::PeerEvent>(

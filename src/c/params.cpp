@@ -45,7 +45,12 @@ hgros_status UseParams(hgros_params* params, F&& use) {
   return Guarded([&] {
     const auto held = Given(params, "params").held;
     return held->Use([&](Params& of) {
-      use(of);
+      try {
+        use(of);
+      } catch (const ParamError&) {
+        if (held->stop().stop_requested()) throw SessionClosed();  // Which is why another session was not reached.
+        throw;
+      }
       return hgros_status{HGROS_OK};
     });
   });
@@ -144,6 +149,7 @@ hgros_status hgros_params_open(hgros_session* session, const char* const* files,
     }
     auto made = std::make_unique<c::Params>();
     if (session != nullptr) {
+      (void)c::Opened(session);
       const auto log = [&to = session->session->log()](hgros::LogLevel level, std::string_view text) {
         to.Write(level, text);
       };
@@ -161,7 +167,11 @@ hgros_status hgros_params_open(hgros_session* session, const char* const* files,
 
 hgros_status hgros_params_of(hgros_session* session, const char* name, int64_t timeout_ns, hgros_params** params) {
   return c::Creating(params, [&] {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
+    if (timeout_ns <= 0) {
+      throw c::InvalidArgument(
+          "timeout_ns must be above 0: each function on parameters of another session waits for it.");
+    }
     auto made = std::make_unique<c::Params>();
     made->remote = std::make_unique<hgros::RemoteParams>(
         *on.session, c::Text(name, "name"), c::Timeout(timeout_ns),

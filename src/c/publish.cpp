@@ -54,8 +54,10 @@ bool MayBeRepeated(PublishStatus status) noexcept {
          status == PublishStatus::kWouldDeadlock;
 }
 
-PublishStatus PublishIn(const RawPublisher& publish, const Payload& payload, std::int64_t timeout_ns) {
-  return timeout_ns == 0 ? publish(payload) : publish.Wait(payload, DeadlineIn(Timeout(timeout_ns)));
+PublishStatus PublishIn(const Publishing& on, const Payload& payload, std::int64_t timeout_ns) {
+  if (on.life->closed()) return PublishStatus::kClosed;
+  return timeout_ns == 0 ? on.publish(payload)
+                         : on.publish.Wait(payload, DeadlineIn(Timeout(timeout_ns)), on.life->stop());
 }
 
 }  // namespace
@@ -66,7 +68,7 @@ namespace c = hgros::c;
 hgros_status hgros_publisher_open(hgros_session* session, const char* channel, const hgros_schema* schema,
                                   const hgros_publish_options* options, hgros_publisher** publisher) {
   return c::Creating(publisher, [&] {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
     const std::string name(c::Text(channel, "channel"));
     const auto latched = static_cast<std::size_t>(c::OptionsFrom(options).latched);
     auto publish = on.session->AdvertiseRaw(name, c::SchemaIn(schema, "schema"), {.latched = latched}, c::kFromC);
@@ -84,7 +86,7 @@ hgros_status hgros_publish(const hgros_publisher* publisher, const void* data, s
 hgros_status hgros_publish_wait(const hgros_publisher* publisher, const void* data, size_t size, int64_t timeout_ns) {
   return c::Guarded([&] {
     const c::Publishing& on = *c::Given(publisher, "publisher").of;
-    return c::StatusOf(c::PublishIn(on.publish, c::Borrowed(data, size), timeout_ns), on.channel);
+    return c::StatusOf(c::PublishIn(on, c::Borrowed(data, size), timeout_ns), on.channel);
   });
 }
 
@@ -94,7 +96,7 @@ hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void
     const auto kept = c::KeepUser(user, release);
     const hgros::Payload payload{c::Borrowed(data, size).bytes, kept};
     const c::Publishing& on = *c::Given(publisher, "publisher").of;
-    const hgros::PublishStatus status = c::PublishIn(on.publish, payload, timeout_ns);
+    const hgros::PublishStatus status = c::PublishIn(on, payload, timeout_ns);
     if (c::MayBeRepeated(status)) kept->GiveBack();  // Nobody got the message, so nobody else has it.
     return c::StatusOf(status, on.channel);
   });
@@ -125,7 +127,7 @@ hgros_status hgros_loan_publish(hgros_loan* loan, int64_t timeout_ns) {
     hgros_loan& lent = c::Given(loan, "loan");
     if (!lent.block) return c::Fail(HGROS_INVALID_ARGUMENT, "The loan was published before. Open a new one.");
     const c::Publishing& on = *lent.of;
-    const hgros_status status = c::StatusOf(c::PublishIn(on.publish, lent.block->payload(), timeout_ns), on.channel);
+    const hgros_status status = c::StatusOf(c::PublishIn(on, lent.block->payload(), timeout_ns), on.channel);
     if (status == HGROS_OK) lent.block.reset();
     return status;
   });

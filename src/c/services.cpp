@@ -82,7 +82,7 @@ hgros_status hgros_serve(hgros_session* session, const char* name, const hgros_s
                          const hgros_schema* reply, const hgros_serve_options* options, hgros_service_handler handler,
                          void* user, hgros_release release, hgros_service** service) {
   return c::CreatingFor(user, release, service, [&](const std::shared_ptr<const c::User>& kept) {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
     const std::string_view served = c::Text(name, "name");
     if (handler == nullptr) c::RefuseNull("handler");
     const hgros_serve_options chosen = c::OptionsFrom(options);
@@ -105,10 +105,9 @@ hgros_status hgros_call(hgros_session* session, const char* name, const hgros_sc
   if (reply != nullptr) *reply = nullptr;
   return c::Guarded([&] {
     hgros_message*& place = c::Given(reply, "the place for the reply");
-    const auto future =
-        c::Given(session, "session")
-            .session->CallRaw(c::Text(name, "name"), c::SchemaIn(request_schema, "request_schema"),
-                              c::Borrowed(data, size), c::SchemaOrAny(reply_schema), c::Timeout(timeout_ns));
+    const auto future = c::Opened(session).session->CallRaw(
+        c::Text(name, "name"), c::SchemaIn(request_schema, "request_schema"), c::Borrowed(data, size),
+        c::SchemaOrAny(reply_schema), c::Timeout(timeout_ns));
     const c::RawResult result = future.Wait();
     if (!result) return c::Fail(c::StatusOf(result.failure().kind), result.failure().reason);
     place = c::NewLease(result.reply()).release();
@@ -123,7 +122,7 @@ hgros_status hgros_call_later(hgros_session* session, const char* name, const hg
   if (call != nullptr) *call = nullptr;
   return c::Guarded([&] {
     const auto kept = c::KeepUser(user, release);
-    hgros_session& on = c::Given(session, "session");
+    hgros_session& on = c::Opened(session);
     if (callback == nullptr) c::RefuseNull("callback");
     auto made = call == nullptr ? nullptr : std::make_unique<hgros_pending_call>();
     auto ticket = on.session->CallRaw(c::Text(name, "name"), c::SchemaIn(request_schema, "request_schema"),

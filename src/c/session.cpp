@@ -4,6 +4,8 @@
 
 #include "c/handles.hpp"
 #include "hgros/config/config.hpp"
+#include "hgros/graph/data_graph.hpp"
+#include "hgros/session/session_parts.hpp"
 
 namespace hgros::c {
 namespace {
@@ -39,14 +41,32 @@ std::unique_ptr<hgros_session> Open(Opening&& opening, Config config) {
 }  // namespace
 
 void Life::Add(const std::shared_ptr<Dependent>& dependent) {
-  const std::unique_lock lock(mutex_);
-  std::erase_if(dependents_, [](const auto& one) { return one.expired(); });
-  dependents_.push_back(dependent);
+  {
+    const std::unique_lock lock(mutex_);
+    std::erase_if(dependents_, [](const auto& one) { return one.expired(); });
+    dependents_.push_back(dependent);
+  }
+  if (closed()) dependent->Stop();
+}
+
+void Life::Stop() {
+  if (fork_.IsChild()) return;
+  closed_.store(true, std::memory_order_release);
+  stop_.request_stop();
+  // Without the lock, because callbacks of calls that end here may use the session.
+  const auto [session, dependents] = [this] {
+    const std::shared_lock lock(mutex_);
+    return std::pair(session_, dependents_);
+  }();
+  for (const auto& one : dependents) {
+    if (const auto dependent = one.lock()) dependent->Stop();
+  }
+  if (session != nullptr) SessionParts(*session).EndWaits();
 }
 
 void Life::End(bool inside) {
-  closed_.store(true, std::memory_order_release);
-  stop_.request_stop();
+  if (fork_.IsChild()) return;
+  Stop();
   std::vector<std::weak_ptr<Dependent>> dependents;
   {
     const std::unique_lock lock(mutex_);
@@ -80,6 +100,11 @@ hgros_status hgros_session_open_files(const char* const* files, size_t count, co
   });
 }
 
+void hgros_session_end(hgros_session* session) {
+  if (session == nullptr) return;
+  (void)c::Guarded([&] { session->life->Stop(); });
+}
+
 // Handles of transforms and the like end first. In a callback nothing can be waited for, as ~Session says.
 void hgros_session_close(hgros_session* session) {
   if (session == nullptr) return;
@@ -99,7 +124,11 @@ uint64_t hgros_session_id(const hgros_session* session) {
 
 hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeout_ns) {
   return c::Guarded([&] {
-    if (c::Given(session, "session").session->WaitIdle(c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
+    const hgros_session& on = c::Opened(session);
+    if (hgros::DataGraph::InCallback()) {
+      return c::Fail(HGROS_WOULD_DEADLOCK, "A callback may not wait until no callback runs. Wait on another thread.");
+    }
+    if (on.session->WaitIdle(c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
     return c::Fail(HGROS_TIMED_OUT, "The session still has messages to handle.");
   });
 }
@@ -117,9 +146,9 @@ hgros_status hgros_session_wait_for_subscribers(const hgros_session* session, co
                                                 int64_t timeout_ns) {
   return c::Guarded([&] {
     const std::string_view name = c::Text(channel, "channel");
-    if (c::Given(session, "session").session->WaitForSubscribers(name, count, c::Timeout(timeout_ns))) {
-      return hgros_status{HGROS_OK};
-    }
+    const hgros_session& on = c::Opened(session);
+    if (on.session->WaitForSubscribers(name, count, c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
+    if (on.life->closed()) return c::Fail(HGROS_CLOSED, c::kSessionClosed);
     return c::Fail(HGROS_TIMED_OUT,
                    "Channel " + std::string(name) + " has less than " + std::to_string(count) + " subscribers.");
   });
@@ -129,9 +158,9 @@ hgros_status hgros_session_wait_for_publishers(const hgros_session* session, con
                                                int64_t timeout_ns) {
   return c::Guarded([&] {
     const std::string_view name = c::Text(channel, "channel");
-    if (c::Given(session, "session").session->WaitForPublishers(name, count, c::Timeout(timeout_ns))) {
-      return hgros_status{HGROS_OK};
-    }
+    const hgros_session& on = c::Opened(session);
+    if (on.session->WaitForPublishers(name, count, c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
+    if (on.life->closed()) return c::Fail(HGROS_CLOSED, c::kSessionClosed);
     return c::Fail(HGROS_TIMED_OUT, "Less than " + std::to_string(count) + " other sessions publish on channel " +
                                         std::string(name) + ".");
   });

@@ -37,6 +37,8 @@ hgros_status FailHere() noexcept {
     throw;
   } catch (const InvalidArgument& error) {
     return Fail(HGROS_INVALID_ARGUMENT, error.what());
+  } catch (const SessionClosed& error) {
+    return Fail(HGROS_CLOSED, error.what());
   } catch (const TypeMismatch& error) {
     return Fail(HGROS_TYPE_MISMATCH, error.what());
   } catch (const ConfigError& error) {

@@ -77,14 +77,42 @@ NodeOptions NodeOptionsOf(const hgros_subscribe_options& options, Executor execu
 }  // namespace
 }  // namespace hgros::c
 
+namespace hgros::c {
+
+// A subscription whose queue the session ends, so that its descriptor becomes readable.
+class QueueEnd final : public Dependent {
+ public:
+  explicit QueueEnd(Subscription& subscription) : subscription_(&subscription) {}
+
+  void Stop() noexcept override {
+    const std::scoped_lock lock(mutex_);
+    if (subscription_ != nullptr) subscription_->Reset();
+  }
+  void End() override {}             // The session ends its subscriptions.
+  void Leave() noexcept override {}  // Stop() came before.
+  // The subscription is about to be destroyed.
+  void Forget() noexcept {
+    const std::scoped_lock lock(mutex_);
+    subscription_ = nullptr;
+  }
+
+ private:
+  std::mutex mutex_;
+  Subscription* subscription_;
+};
+
+}  // namespace hgros::c
+
 struct hgros_subscription {
   std::shared_ptr<hgros::c::Life> life;
   std::shared_ptr<hgros::c::TypeGate> gate;
   hgros::Subscription subscription;
-  int descriptor = -1;  // A duplicate that lives as long as the handle.
+  std::shared_ptr<hgros::c::QueueEnd> queue_end;  // Null with a callback.
+  int descriptor = -1;                            // A duplicate that lives as long as the handle.
   std::atomic<bool> ended{false};
 
   ~hgros_subscription() {
+    if (queue_end && !life->in_forked_child()) queue_end->Forget();
     subscription.Reset();
     if (descriptor >= 0) close(descriptor);
   }
@@ -126,6 +154,7 @@ hgros_status Take(hgros_subscription& queue, std::int64_t timeout_ns, hgros_mess
   const auto deadline = DeadlineIn(Timeout(timeout_ns));
   auto lease = std::make_unique<hgros_message>();
   for (;;) {
+    if (queue.life->closed()) return Fail(HGROS_CLOSED, kSessionClosed);
     hgros_message* const outer = std::exchange(taken_here, lease.get());
     const std::size_t run = queue.subscription.RunWaiting();
     taken_here = outer;
@@ -136,7 +165,6 @@ hgros_status Take(hgros_subscription& queue, std::int64_t timeout_ns, hgros_mess
     }
     if (run > 0) continue;  // A message of another type.
     if (queue.ended.load(std::memory_order_acquire)) return Fail(HGROS_CLOSED, "The queue was closed before.");
-    if (queue.life->closed()) return Fail(HGROS_CLOSED, kSessionClosed);
     if (timeout_ns == 0 || !AwaitReadable(queue.descriptor, deadline)) {
       return Fail(HGROS_TIMED_OUT, "No message waits in the queue.");
     }
@@ -152,7 +180,7 @@ hgros_status hgros_subscribe(hgros_session* session, const char* channel, const 
                              hgros_message_callback callback, void* user, hgros_release release,
                              hgros_subscription** subscription) {
   return c::CreatingFor(user, release, subscription, [&](const std::shared_ptr<const c::User>& kept) {
-    hgros_session& on = c::Given(session, "session");
+    hgros_session& on = c::Opened(session);
     const std::string_view name = c::Text(channel, "channel");
     if (callback == nullptr) c::RefuseNull("callback");
     const hgros_subscribe_options chosen = c::OptionsFrom(options);
@@ -171,7 +199,7 @@ hgros_status hgros_subscribe(hgros_session* session, const char* channel, const 
 hgros_status hgros_subscribe_queue(hgros_session* session, const char* channel, const hgros_subscribe_options* options,
                                    hgros_subscription** subscription) {
   return c::Creating(subscription, [&] {
-    hgros_session& on = c::Given(session, "session");
+    hgros_session& on = c::Opened(session);
     const std::string_view name = c::Text(channel, "channel");
     auto made = std::make_unique<hgros_subscription>();
     made->life = on.life;
@@ -182,6 +210,8 @@ hgros_status hgros_subscribe_queue(hgros_session* session, const char* channel, 
       throw hgros::Error("The system has no descriptor for the queue: " + std::generic_category().message(errno) + ".",
                          {}, "Raise the limit of open files (ulimit -n).");
     }
+    made->queue_end = std::make_shared<c::QueueEnd>(made->subscription);
+    on.life->Add(made->queue_end);
     return made;
   });
 }

@@ -69,7 +69,7 @@ namespace c = hgros::c;
 
 hgros_status hgros_transforms_open(hgros_session* session, hgros_transforms** transforms) {
   return c::Creating(transforms, [&] {
-    const hgros_session& on = c::Given(session, "session");
+    const hgros_session& on = c::Opened(session);
     auto held = std::make_shared<c::Held<hgros::Transforms>>(std::make_unique<hgros::Transforms>(*on.session));
     on.life->Add(held);
     return std::make_unique<hgros_transforms>(hgros_transforms{on.life, std::move(held)});

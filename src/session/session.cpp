@@ -31,6 +31,12 @@ bool SessionParts::IsPublished(std::string_view channel) const {
   return session_.core_->outbound_.Find(channel) != nullptr;
 }
 void SessionParts::TakeServicesFrom(SessionId other) { session_.core_->services().TakeFrom(other); }
+void SessionParts::EndWaits() noexcept {
+  SessionCore& core = *session_.core_;
+  core.services_->Refuse();
+  core.ends_waits_ = true;
+  core.changes_.Notify();
+}
 Time Session::SettleTimers() { return core_->timers().Settle(); }
 NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCallback callback,
                                NodeTimerOptions options) {

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <cstring>
+#include <thread>
 
 #include "c/c_fixture.hpp"
 
@@ -144,6 +145,46 @@ TEST_F(CProcesses, LoanOfFourMegabytesIsReadInSharedMemory) {
   hgros_loan_free(loan);
   EXPECT_EQ(peer.Line(), std::to_string(kBytes) + " " + std::to_string(3 * kBytes));
   EXPECT_EQ(peer.Exit(), 0);
+}
+
+// Another thread is inside while the process forks, so the child finds it counted as a user.
+TEST_F(CProcesses, ForkedChildIsRefusedAndMayCloseWhatItInherits) {
+  const auto publisher = Publisher(session, "words", text);
+  const auto queue = test::Queue(session, "words");
+  hgros_transforms* transforms = nullptr;
+  ASSERT_EQ(hgros_transforms_open(session.get(), &transforms), HGROS_OK);
+  std::atomic<bool> waits{false};
+  std::thread waiting([&] {
+    hgros_transform found;
+    waits = true;
+    EXPECT_EQ(hgros_transforms_wait(transforms, "map", "base", 1, -1, &found), HGROS_CLOSED);
+  });
+  ASSERT_TRUE(Await([&] { return waits.load(); }));
+  test::Linger(std::chrono::milliseconds(20));
+  const pid_t child = fork();
+  if (child == 0) {
+    hgros_transform found;
+    int refused = Publish(publisher, "x") == HGROS_CLOSED ? 1 : 0;
+    refused += test::Take(queue, 0) == "<closed>" ? 1 : 0;
+    refused += hgros_transforms_lookup(transforms, "map", "base", &found) == HGROS_CLOSED ? 1 : 0;
+    refused += hgros_session_wait_for_subscribers(session.get(), "words", 1, -1) == HGROS_CLOSED ? 1 : 0;
+    hgros_session_end(session.get());
+    (void)hgros_transforms_close(transforms);
+    session.reset();
+    _exit(refused);
+  }
+  int status = -1;
+  const bool ended = Await([&] { return waitpid(child, &status, WNOHANG) == child; });
+  if (!ended) {
+    (void)kill(child, SIGKILL);
+    (void)waitpid(child, nullptr, 0);
+  }
+  EXPECT_TRUE(ended);
+  EXPECT_EQ(status, W_EXITCODE(4, 0));
+  EXPECT_EQ(Publish(publisher, "the parent goes on"), HGROS_OK);
+  hgros_session_end(session.get());
+  waiting.join();
+  EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
 }
 
 TEST_F(CProcesses, ServiceOfAnotherProcessAnswersUntilItIsKilled) {

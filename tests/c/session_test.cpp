@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "c/c_fixture.hpp"
@@ -180,6 +181,86 @@ TEST(CSession, ClosingItClosesWhatWasMadeFromIt) {
   hgros_transform pose{};
   EXPECT_EQ(hgros_transforms_lookup(transforms, "a", "b", &pose), HGROS_CLOSED);
   EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
+}
+
+TEST(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
+  LogLines log;
+  LogLines others_log;
+  const std::string yaml = test::DomainYaml();
+  const auto session = test::Open(yaml, log);
+  const auto other = test::Open(yaml, others_log, "other");
+  const auto text = test::TextSchema();
+  const auto publisher = Publisher(session, "words", text);
+  const auto queue = test::Queue(session, "numbers");
+  const auto full = test::Queue(session, "words", 1);
+  ASSERT_EQ(Publish(publisher, "fills the queue"), HGROS_OK);
+  hgros_transforms* transforms = nullptr;
+  ASSERT_EQ(hgros_transforms_open(session.get(), &transforms), HGROS_OK);
+  hgros_params* params = nullptr;
+  EXPECT_EQ(hgros_params_of(session.get(), "nobody", -1, &params), HGROS_INVALID_ARGUMENT) << "closing would hang";
+  ASSERT_EQ(hgros_params_of(session.get(), "nobody", INT64_MAX, &params), HGROS_OK);
+  hgros_message* reply = nullptr;
+  hgros_transform found;
+  double number = 0;
+  const std::vector<std::function<hgros_status()>> waits = {
+      [&] { return hgros_session_sleep_until(session.get(), INT64_MAX); },
+      [&] { return hgros_session_wait_for_subscribers(session.get(), "words", 9, -1); },
+      [&] { return hgros_session_wait_for_publishers(session.get(), "words", 9, -1); },
+      [&] { return hgros_publish_wait(publisher.get(), "x", 1, -1); },
+      [&] { return hgros_call(session.get(), "nobody", text.get(), "x", 1, nullptr, -1, &reply); },
+      [&] { return hgros_transforms_wait(transforms, "map", "base", 1, -1, &found); },
+      [&] { return hgros_params_get_number(params, "speed", &number); },
+      [&] { return Take(queue, -1) == "<closed>" ? HGROS_CLOSED : HGROS_ERROR; },
+  };
+  std::atomic<std::size_t> waiting{0};
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < waits.size(); ++i) {
+    threads.emplace_back([&, i] {
+      ++waiting;
+      EXPECT_EQ(waits[i](), HGROS_CLOSED) << i << ": " << LastError();
+    });
+  }
+  ASSERT_TRUE(Await([&] { return waiting == waits.size(); }));
+  test::Linger(std::chrono::milliseconds(20));
+  hgros_session_end(session.get());
+  for (std::thread& one : threads) one.join();
+  for (const auto& wait : waits) EXPECT_EQ(wait(), HGROS_CLOSED) << LastError();
+  EXPECT_STREQ(hgros_session_name(session.get()), "robot");
+  EXPECT_EQ(Publish(publisher, "late"), HGROS_CLOSED);
+  hgros_subscription* late = nullptr;
+  EXPECT_EQ(hgros_subscribe_queue(session.get(), "words", nullptr, &late), HGROS_CLOSED);
+  pollfd one{hgros_queue_descriptor(full.get()), POLLIN, 0};
+  EXPECT_EQ(poll(&one, 1, 0), 1) << "an event loop must notice the end";
+  hgros_session_end(session.get());
+  EXPECT_EQ(hgros_params_close(params), HGROS_OK);
+  EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
+}
+
+TEST(CSession, CallbackMayEndItButNotWaitUntilItIsIdle) {
+  LogLines log;
+  const auto session = test::Open(test::DomainYaml(), log);
+  const auto text = test::TextSchema();
+  struct Ending {
+    hgros_session* session;
+    std::atomic<hgros_status> idle{-1};
+  } ending{session.get(), -1};
+  hgros_subscription* subscription = nullptr;
+  ASSERT_EQ(hgros_subscribe(
+                session.get(), "words", nullptr,
+                [](void* user, const hgros_message*) {
+                  auto& of = *static_cast<Ending*>(user);
+                  const hgros_status idle = hgros_session_wait_idle(of.session, -1);
+                  hgros_session_end(of.session);
+                  of.idle = idle;
+                },
+                &ending, nullptr, &subscription),
+            HGROS_OK);
+  const test::SubscriptionHandle owned(subscription);
+  std::thread sleeping([&] { EXPECT_EQ(hgros_session_sleep_until(session.get(), INT64_MAX), HGROS_CLOSED); });
+  EXPECT_EQ(Publish(Publisher(session, "words", text), "end"), HGROS_OK);
+  sleeping.join();
+  ASSERT_TRUE(Await([&] { return ending.idle != -1; }));
+  EXPECT_EQ(ending.idle, HGROS_WOULD_DEADLOCK);
 }
 
 TEST(CSession, QueueThatIsEndedWakesItsTaker) {

@@ -15,8 +15,8 @@ int64_t hgros_wall_now(void);
 int64_t hgros_monotonic_now(void);
 /// The session's clock: the wall clock, or with `time: simulated` the one that is published. 0 for NULL.
 int64_t hgros_session_now(const hgros_session* session);
-/// Sleeps until the session's clock shows `due_ns`, following its jumps and pauses. Errors: HGROS_CLOSED if the session
-/// is closed meanwhile.
+/// Sleeps until the session's clock shows `due_ns`, following its jumps and pauses. Errors: HGROS_CLOSED once
+/// hgros_session_end() is called.
 hgros_status hgros_session_sleep_until(const hgros_session* session, int64_t due_ns);
 
 /// A callback that is called periodically.

@@ -18,9 +18,9 @@ typedef struct hgros_params hgros_params;
 /// are left out. Errors: HGROS_CONFIG_ERROR with file, line and column; HGROS_ERROR.
 hgros_status hgros_params_open(hgros_session* session, const char* const* files, size_t count, hgros_params** params);
 /// The parameters that another session, or this one, offers under `name`. Each function on them asks that session and
-/// waits at most `timeout_ns`, which must not be 0; do not call them in inline callbacks or in callbacks of that
-/// session's parameters. Errors: HGROS_ERROR if the name cannot be one. That nobody offers them is told by the
-/// functions.
+/// waits at most `timeout_ns`, which must be above 0; closing the session waits for them. Do not call them in inline
+/// callbacks or in callbacks of that session's parameters. Errors: HGROS_ERROR if the name cannot be one. That nobody
+/// offers them is told by the functions.
 hgros_status hgros_params_of(hgros_session* session, const char* name, int64_t timeout_ns, hgros_params** params);
 /// Errors: HGROS_WOULD_DEADLOCK inside a callback of the session or of the parameters; then nothing is closed.
 hgros_status hgros_params_close(hgros_params* params);

@@ -50,11 +50,11 @@ hgros_status hgros_call(hgros_session* session, const char* name, const hgros_sc
 typedef struct hgros_pending_call hgros_pending_call;
 
 /// The end of a call: HGROS_OK and the reply, or a status, NULL and a sentence. Called once, on a thread of the
-/// library, or on the thread that closes the session.
+/// library, or on the thread that ends or closes the session.
 typedef void (*hgros_reply_callback)(void* user, hgros_status status, const char* sentence, const hgros_message* reply);
 
-/// As hgros_call(), but does not wait. `call` may be NULL if nobody cancels. If this function fails, the callback is not
-/// called.
+/// As hgros_call(), but does not wait. `call` may be NULL if nobody cancels. If this function fails, the callback is
+/// not called.
 hgros_status hgros_call_later(hgros_session* session, const char* name, const hgros_schema* request_schema,
                               const void* data, size_t size, const hgros_schema* reply_schema, int64_t timeout_ns,
                               hgros_reply_callback callback, void* user, hgros_release release,

@@ -36,6 +36,13 @@ hgros_status hgros_session_open(const char* yaml, const hgros_session_options* o
 hgros_status hgros_session_open_files(const char* const* files, size_t count, const hgros_session_options* options,
                                       hgros_session** session);
 
+/// Ends the session's use: all threads that wait for it, or for what was made from it, return with HGROS_CLOSED, and so
+/// does every later call, except for hgros_session_wait_idle(), which returns once no callback runs. Calls that are
+/// pending end. Callbacks may still run until hgros_session_close(), before which the handle stays valid. Does not
+/// wait. Any thread, also inside callbacks: use it where one thread ends what others wait for, then join them, then
+/// close.
+void hgros_session_end(hgros_session* session);
+
 /// Refuses what is published from now on, waits for running callbacks, and says goodbye to the other sessions. What was
 /// published is still sent; for a lossless subscriber that takes nothing it waits half a second. Ends all that was made
 /// from the session; those handles must still be closed.
@@ -49,7 +56,7 @@ const char* hgros_session_name(const hgros_session* session);
 uint64_t hgros_session_id(const hgros_session* session);
 
 /// Waits until no message is queued and no callback runs, provided that no message comes meanwhile. Messages in queues
-/// without a callback do not count. Do not call it inside a callback. Errors: HGROS_TIMED_OUT.
+/// without a callback do not count. Errors: HGROS_TIMED_OUT; HGROS_WOULD_DEADLOCK inside a callback.
 hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeout_ns);
 
 /// Writes a line into the session's log. Control characters are the caller's concern.
@@ -58,10 +65,11 @@ hgros_status hgros_session_log(const hgros_session* session, int32_t level, cons
 hgros_status hgros_session_set_log_level(const hgros_session* session, int32_t level);
 
 /// Waits until `channel` has at least `count` subscribers in this session and others together; they get what is
-/// published after that. The channel must have a publisher of this session. Errors: HGROS_TIMED_OUT.
+/// published after that. The channel must have a publisher of this session. Errors: HGROS_TIMED_OUT, HGROS_CLOSED.
 hgros_status hgros_session_wait_for_subscribers(const hgros_session* session, const char* channel, size_t count,
                                                 int64_t timeout_ns);
-/// Waits until at least `count` other sessions that publish on `channel` are connected. Errors: HGROS_TIMED_OUT.
+/// Waits until at least `count` other sessions that publish on `channel` are connected. Errors: HGROS_TIMED_OUT,
+/// HGROS_CLOSED.
 hgros_status hgros_session_wait_for_publishers(const hgros_session* session, const char* channel, size_t count,
                                                int64_t timeout_ns);
 

@@ -41,7 +41,7 @@ hgros_status hgros_transforms_lookup(hgros_transforms* transforms, const char* t
 hgros_status hgros_transforms_lookup_at(hgros_transforms* transforms, const char* target, const char* source,
                                         int64_t time_ns, hgros_transform* found);
 /// The same, but waits until it is there. Errors: HGROS_TIMED_OUT with the reason why it is not there; HGROS_TOO_OLD at
-/// once; HGROS_CLOSED if the handle or its session is closed meanwhile, which waits for this.
+/// once; HGROS_CLOSED once hgros_session_end() is called.
 hgros_status hgros_transforms_wait(hgros_transforms* transforms, const char* target, const char* source,
                                    int64_t time_ns, int64_t timeout_ns, hgros_transform* found);
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "hgros/base/export.hpp"
 #include "hgros/session/session.hpp"
 
 namespace hgros {
@@ -24,6 +25,9 @@ class SessionParts {
   // Waits until every timer that is due by now has fired. Returns when the next one is due; Time::Never() without one.
   // Not while the session ends.
   Time SettleTimers() { return session_.SettleTimers(); }
+  // Ends calls and services, and wakes all threads that wait for publishers, subscribers or schemas; later waits return
+  // at once. Before the session is destroyed.
+  HGROS_EXPORT void EndWaits() noexcept;
 
   // Whether this session is announced as a publisher of the channel.
   [[nodiscard]] bool IsPublished(std::string_view channel) const;
