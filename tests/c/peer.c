@@ -1,9 +1,16 @@
 /* The other process in processes_test.cpp, in C99.
 
-     peer take CHANNEL COUNT ROOM   takes COUNT messages through a lossless queue with ROOM, a while apart, and prints
-   them peer hold CHANNEL              subscribes losslessly with room for one message and takes none peer measure
-   CHANNEL           takes one message and prints its size, and the sum of its bytes peer serve NAME serves NAME: the
-   request in upper case, until it is killed
+     peer take CHANNEL COUNT ROOM
+         takes COUNT messages through a lossless queue with ROOM, a while apart, and prints them
+
+     peer hold CHANNEL
+         subscribes losslessly with room for one message and takes none
+
+     peer measure CHANNEL
+         takes one message and prints its size, and the sum of its bytes
+
+     peer serve NAME
+         serves NAME, the request in upper case, until it is killed
 */
 #include <ctype.h>
 #include <stdio.h>
