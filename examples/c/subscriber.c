@@ -50,13 +50,16 @@ int main(int count, char** arguments) {
     waits[1].fd = hgros_queue_descriptor(queue);
     if (poll(waits, 2, -1) < 0 && errno != EINTR) return 1;
     if (waits[0].revents != 0) break;
-    if (hgros_queue_take(queue, 0, &message) == HGROS_OK) {
+    const hgros_status taken = hgros_queue_take(queue, 0, &message);
+    if (taken == HGROS_OK) {
       size_t size = 0;
       size_t length = 0;
       const unsigned char* const bytes = hgros_message_data(message, &size);
       const char* const text = ReadGreeting(bytes, size, &length);
       printf("%.*s\n", (int)length, text);
       hgros_message_free(message);
+    } else if (taken != HGROS_TIMED_OUT) {
+      Require(taken); /* Otherwise the descriptor of a queue that has ended would stay readable. */
     }
   }
   hgros_subscription_close(queue);
