@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -16,14 +18,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "support/await.hpp"
 #include "support/few_descriptors.hpp"
 #include "support/relay_port.hpp"
 #include "transport/zmq/control.hpp"
+#include "transport/zmq/endpoint.hpp"
 #include "transport/zmq/publish/accepted_connections.hpp"
 #include "transport/zmq/publish/unfinished_messages.hpp"
+#include "transport/zmq/socket.hpp"
 #include "transport/zmq_places.hpp"
 #include "transport/zmtp.hpp"
 
@@ -709,6 +714,36 @@ TEST(ZmqAcceptedConnections, AConnectionThatSubscribesToNothingIsClosed) {
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_NE(lines[0].find("127.0.0.1"), std::string::npos) << lines[0];
   for (const int fd : {listening, theirs[0], theirs[1], theirs[2], ours[0], ours[1], ours[2]}) close(fd);
+}
+
+// ZeroMQ would wait without a limit for a connection that breaks at the same moment and has messages left, if a socket
+// had no limit when it was bound.
+TEST(ZmqBrokenConnections, DoNotHoldUpTheEndOfTheirSocket) {
+  for (int round = 0; round < 50; ++round) {
+    auto context = std::make_unique<zmq::Context>();
+    zmq::Socket publisher(*context, ZMQ_XPUB);
+    publisher.Set(ZMQ_XPUB_VERBOSER, 1);
+    zmq::BindOrThrow(publisher, "tcp://127.0.0.1:*");
+    std::vector<Client> subscribers;
+    zmq::Message asked;
+    for (int i = 0; i < 12; ++i) {
+      ASSERT_TRUE(subscribers.emplace_back(publisher.LastEndpoint()).Send(Frame("\1")));
+      ASSERT_TRUE(Eventually([&] { return publisher.Receive(asked); }));
+    }
+    const std::string large(1 << 20, 'x');
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(publisher.Send(large, false));
+    std::atomic<bool> ended{false};
+    std::thread end([&] {
+      publisher.Close(100);
+      context.reset();
+      ended = true;
+    });
+    subscribers.clear();
+    const bool in_time = Await([&] { return ended.load(); });
+    if (!in_time) std::cout << "The context did not end in round " << round << ".\n" << std::flush;
+    if (!in_time) std::abort();  // The thread waits for ever.
+    end.join();
+  }
 }
 
 }  // namespace

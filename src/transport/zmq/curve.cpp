@@ -74,7 +74,6 @@ void SecureClient(Socket& socket, const ZmqSecurity& security, const std::string
 AdmissionDesk::AdmissionDesk(Context& context, const ZmqSecurity& security, Log& log)
     : socket_(context, ZMQ_ROUTER), fd_(-1), log_(log) {
   for (const auto& key : security.allowed_clients) allowed_.insert(DecodeKey(key, "allowed client's"));
-  socket_.Set(ZMQ_LINGER, 0);
   if (const int error = socket_.Bind(kZapEndpoint); error != 0) {
     throw Error(std::string("Cannot check keys: ") + zmq_strerror(error) + ".");
   }

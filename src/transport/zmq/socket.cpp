@@ -73,6 +73,10 @@ Socket::Socket(Context& context, int type) : raw_(nullptr) {
                 {}, "Use fewer endpoints, or several sessions.");
   }
   if (raw_ == nullptr) ThrowZmq("Cannot create a ZeroMQ socket");
+  // ZeroMQ ends a connection that was accepted and has broken with the value that its socket had when it was bound, and
+  // would wait without a limit for what that connection has not sent, also in zmq_ctx_term().
+  const int linger_ms = 0;
+  zmq_setsockopt(raw_, ZMQ_LINGER, &linger_ms, sizeof linger_ms);
 }
 
 void Socket::Set(int option, int value) {
