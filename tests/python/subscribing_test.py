@@ -233,6 +233,23 @@ class Subscribing(RobotTest):
         with self.assertRaisesRegex(TypeError, "is not a class of messages"):
             robot.subscribe("log", int)
 
+    def test_spin_finds_messages_whose_key_an_interrupted_spin_had_taken(self):
+        robot = self.session()
+        robot.subscribe("log", Log, lambda message, info: robot.stop())
+        robot.advertise("log", Log).publish(Log())
+        self.assertTrue(robot._ready.take())  # Here a signal ends the spin.
+        thread = threading.Thread(target=robot.spin, daemon=True)
+        thread.start()
+        thread.join(DEADLINE_S)
+        self.assertFalse(thread.is_alive())
+
+    def test_stop_right_after_start_ends_the_thread(self):
+        robot = self.session()
+        for _ in range(50):
+            robot.start()
+            robot.stop()
+            self.assertFalse(robot._thread.is_alive())
+
 
 class Iterating(RobotTest):
     def test_loop_ends_when_no_message_comes(self):

@@ -406,9 +406,13 @@ class Session:
 
     def spin(self) -> None:
         """Runs callbacks on this thread until `stop` or `close` is called, or Ctrl-C is pressed (KeyboardInterrupt)."""
-        with self._Spinning(self) as stops:
+        self._spin(self._stops)
+
+    def _spin(self, stops: int) -> None:
+        with self._Spinning(self):
             self._ready.prepare()
             try:
+                self._ring_all()
                 while not self.closed and self._stops == stops:
                     self._handle(self._ready.wait(-1.0))
             finally:
@@ -426,14 +430,21 @@ class Session:
         with self._lock:
             if self._thread is not None and self._thread.is_alive():
                 return
-            self._thread = threading.Thread(target=self.spin, name=f"hgros {self.name}", daemon=True)
+            self._thread = threading.Thread(target=self._spin, args=(self._stops,), name=f"hgros {self.name}",
+                                            daemon=True)
             self._thread.start()
 
     def stop(self) -> None:
-        """Lets `spin`, `start` or `spin_async` end after the callback that runs. It can be called again after that."""
+        """Lets `spin`, `start` or `spin_async` end after the callback that runs. It can be called again after that.
+
+        Waits for the thread of `start`, except in its callbacks.
+        """
         with self._lock:
             self._stops += 1
+            thread = self._thread
         self._ready.wake()
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
 
     async def spin_async(self) -> None:
         """Runs callbacks in the running event loop of asyncio until `stop` or `close`."""
@@ -444,6 +455,7 @@ class Session:
             woken = asyncio.Event()
             loop.add_reader(self._ready.fileno(), woken.set)
             try:
+                self._ring_all()
                 while not self.closed and self._stops == stops:
                     await woken.wait()
                     self._handle(self._ready.take())
@@ -468,6 +480,11 @@ class Session:
         def __exit__(self, *error: Any) -> None:
             self._session._spinner = None
             self._session._spins.release()
+
+    def _ring_all(self) -> None:
+        # A signal may have ended the spin before this one after it had taken keys, and before it handled them.
+        for key in list(self._handlers):
+            self._ready.add(key)
 
     def _handle(self, keys: list[int]) -> None:
         keys.reverse()
