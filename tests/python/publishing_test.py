@@ -72,6 +72,12 @@ class Publishing(RobotTest):
                 publisher.publish(Log())
         self.assertGreaterEqual(len(list(messages)), 3)
 
+    def test_latched_message_comes_once_if_the_configuration_makes_the_queue_lossless(self):
+        robot = self.session(text="data_graph: {nodes: {all: {queue: {keep_all: 3}}}}")
+        robot.advertise("log", Log, latched=1).publish(Log(line=1))
+        messages = robot.messages("log", Log, timeout=0.1, name="all")
+        self.assertEqual([message.line for message in messages], [1])
+
     def test_message_of_a_callback_has_its_cause(self):
         robot = self.session()
         first, second = robot.advertise("first", Log), robot.advertise("second", Log)

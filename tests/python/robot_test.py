@@ -4,7 +4,7 @@ import tempfile
 import threading
 
 import numpy as np
-from support import RobotTest, main, wait_until
+from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
 from foxglove.Log_pb2 import Log
@@ -134,6 +134,25 @@ class Tf(RobotTest):
         robot.close()
         with self.assertRaisesRegex(hgros.Error, "closed"):
             transforms.lookup("a", "b")
+
+    def test_lookup_that_waits_ends_when_the_session_closes(self):
+        for _ in range(20):
+            robot = self.session()
+            transforms = robot.transforms
+            faults = []
+
+            def look():
+                try:
+                    transforms.lookup("a", "b", timeout=DEADLINE_S)
+                except hgros.Error as error:
+                    faults.append(str(error))
+
+            thread = threading.Thread(target=look)
+            thread.start()
+            robot.close()
+            thread.join(DEADLINE_S / 2)
+            self.assertFalse(thread.is_alive())
+            self.assertIn("closed", faults[0])
 
 
 class Counters(RobotTest):

@@ -1,4 +1,5 @@
 import asyncio
+import gc
 import logging
 import threading
 
@@ -83,6 +84,15 @@ class Services(RobotTest):
         with self.assertRaises(hgros.CallError) as failed:
             call.result()
         self.assertEqual(failed.exception.kind, "cancelled")
+
+    def test_dropped_call_goes_on(self):
+        robot = self.session()
+        served = []
+        robot.serve("add", Vector2, Log, lambda request: served.append(request.x) or Log())
+        robot.call("add", Vector2(x=3), Log, timeout=DEADLINE_S)
+        gc.collect()
+        self.spin_until(robot, lambda: served)
+        self.assertEqual(served, [3])
 
     def test_thread_that_waits_for_itself_gets_an_error(self):
         robot = self.session()

@@ -176,6 +176,80 @@ class Subscribing(RobotTest):
                 publisher.publish(Log(), timeout=0.02)
         robot.close()
 
+    def test_close_ends_what_a_callback_waits_for(self):
+        robot = self.session()
+        waits = threading.Event()
+
+        @robot.subscribe("log", Log)
+        def on_log(message, info):
+            waits.set()
+            list(messages)
+
+        messages = robot.messages("nothing")
+        robot.start()
+        robot.advertise("log", Log).publish(Log())
+        self.assertTrue(waits.wait(DEADLINE_S))
+        closer = threading.Thread(target=robot.close, daemon=True)
+        closer.start()
+        closer.join(DEADLINE_S)
+        self.assertFalse(closer.is_alive())
+
+    def test_interrupted_close_can_be_done_again(self):
+        robot = self.session()
+        subscription = robot.subscribe("log", Log, lambda message, info: None)
+        end, ended = subscription.end, []
+
+        def interrupted():
+            end()
+            ended.append(True)
+            raise KeyboardInterrupt
+
+        subscription.end = interrupted
+        with self.assertRaises(KeyboardInterrupt):
+            robot.close()
+        self.assertTrue(ended)
+        self.assertTrue(robot._native.closed)
+        robot.close()
+        self.assertTrue(robot._closed)
+
+    def test_wrong_callbacks_are_refused_at_once(self):
+        robot = self.session()
+
+        async def later(*arguments):
+            pass
+
+        for register in (lambda callback: robot.subscribe("log", callback=callback),
+                         lambda callback: robot.timer(1, callback), lambda callback: robot.serve("log", Log, Log, callback),
+                         robot.params.on_change("a")):
+            with self.assertRaisesRegex(TypeError, "async def"):
+                register(later)
+            with self.assertRaisesRegex(TypeError, "argument"):
+                register(lambda: None)
+
+    def test_function_in_place_of_the_type_is_an_error_that_says_what_to_write(self):
+        robot = self.session()
+        with self.assertRaisesRegex(TypeError, r'robot.subscribe\("log", callback='):
+            robot.subscribe("log", lambda message, info: None)
+        with self.assertRaisesRegex(TypeError, "is not a class of messages"):
+            robot.subscribe("log", int)
+
+    def test_spin_finds_messages_whose_key_an_interrupted_spin_had_taken(self):
+        robot = self.session()
+        robot.subscribe("log", Log, lambda message, info: robot.stop())
+        robot.advertise("log", Log).publish(Log())
+        self.assertTrue(robot._ready.take())  # Here a signal ends the spin.
+        thread = threading.Thread(target=robot.spin, daemon=True)
+        thread.start()
+        thread.join(DEADLINE_S)
+        self.assertFalse(thread.is_alive())
+
+    def test_stop_right_after_start_ends_the_thread(self):
+        robot = self.session()
+        for _ in range(50):
+            robot.start()
+            robot.stop()
+            self.assertFalse(robot._thread.is_alive())
+
 
 class Iterating(RobotTest):
     def test_loop_ends_when_no_message_comes(self):

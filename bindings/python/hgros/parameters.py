@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable, Sequence, TypeVar
 
 from . import _hgros
+from .callbacks import check_callback
 from .errors import Error
 from .log_relay import logger
 
@@ -91,6 +92,7 @@ class Parameters:
         """A decorator: calls `callback(paths)` after changes at, below or above `path`, as callbacks run."""
 
         def decorate(callback: AnyChanged) -> AnyChanged:
+            check_callback(callback, 1, f'parameter "{path}"')
             key, inbox = self._session._new_inbox()
             inbox.keep_last(1024)
             self._raw.watch(path, inbox)

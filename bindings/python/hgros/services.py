@@ -29,7 +29,7 @@ class CallError(Error):
 
 
 class Call(Generic[R]):
-    """A reply that may still come: `call.result()`, or `await call` in asyncio. Dropping it cancels the call."""
+    """A reply that may still come: `call.result()`, or `await call` in asyncio. Dropping it ignores the reply."""
 
     def __init__(self, session: _hgros.Session, name: str, request: Message, reply_type: type[Message] | None,
                  timeout: float, deadlocks: bool) -> None:
@@ -99,11 +99,6 @@ class Call(Generic[R]):
             raise self._error
         value: R = self._reply
         return value
-
-    def __del__(self) -> None:
-        ticket = getattr(self, "_ticket", None)
-        if ticket is not None and not ticket.done:
-            ticket.cancel()
 
 
 class Service:

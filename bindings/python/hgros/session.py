@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import os
 import pathlib
 import sys
@@ -15,8 +16,9 @@ from google.protobuf.message import Message
 
 from . import _hgros
 from .bulk import LoanedMessage
+from .callbacks import check_callback
 from .errors import Error
-from .log_relay import LogRelay
+from .log_relay import LogRelay, logger
 from .message_types import schema_of
 from .parameters import Parameters
 from .publisher import Publisher
@@ -34,6 +36,9 @@ Reply = TypeVar("Reply", bound=Message)
 Turn = TypeVar("Turn", bound=Callable[[Tick], object])
 AnyCallback = Callable[[Any, _hgros.MessageInfo], object]
 Callback = TypeVar("Callback", bound=AnyCallback)
+
+# Of a callback at the end of the interpreter.
+_LONGEST_CALLBACK_AT_EXIT_S = 5.0
 
 _relay: LogRelay | None = None
 _sessions: weakref.WeakSet[Session] = weakref.WeakSet()
@@ -88,7 +93,9 @@ class Session:
         self._spins = threading.Lock()
         self._stops = 0
         self._thread: threading.Thread | None = None
+        self._closes = threading.RLock()
         self._closing = False
+        self._closed = False
         self._forked = False
         with _setup:
             _sessions.add(self)
@@ -109,23 +116,42 @@ class Session:
 
     def close(self) -> None:
         """Ends the session: no callback begins any more, and what was published is sent. May be called in a callback."""
-        with self._lock:
-            if self._closing or self._forked:
-                return
-            self._closing = True
+        self._close(None)
+
+    def _close(self, longest_wait_s: float | None) -> None:
+        if self._forked:
+            return
+        self._closing = True
         self._ready.wake()
+        # A callback does not wait for a close() that waits for the callback.
+        if not self._closes.acquire(blocking=self._spinner != threading.get_ident()):
+            return
+        try:
+            if self._closed:
+                return
+            # Every step is done, also after an exception such as KeyboardInterrupt. The last one is done first.
+            with contextlib.ExitStack() as steps:
+                steps.callback(self._native.close)
+                steps.callback(self._join, longest_wait_s)
+                if self._transforms is not None:
+                    steps.callback(self._transforms._raw.end)
+                if self._params is not None:
+                    steps.callback(self._params._raw.end)
+                for part in [*self._streams, *self._handlers.values()]:
+                    steps.callback(part.close if isinstance(part, (Messages, Rate)) else part.end)
+            self._closed = True
+        finally:
+            self._closes.release()
+
+    def _join(self, longest_wait_s: float | None) -> None:
+        # After everything has ended for which a callback may wait.
         thread = self._thread
-        if thread is not None and thread is not threading.current_thread():
-            thread.join()
-        for handler in list(self._handlers.values()):
-            handler.end()
-        for stream in list(self._streams):
-            stream.close()
-        if self._params is not None:
-            self._params._raw.end()
-        if self._transforms is not None:
-            self._transforms._raw.end()
-        self._native.close()
+        if thread is None or thread is threading.current_thread():
+            return
+        thread.join(longest_wait_s)
+        if thread.is_alive():
+            logger.warning('A callback of session "%s" still runs after %g s. The program ends without it.', self.name,
+                           longest_wait_s)
 
     def __enter__(self) -> Session:
         return self
@@ -222,6 +248,11 @@ class Session:
         Without a type, the type comes with the channel. As a decorator it returns the function. An exception of the
         callback is logged with its traceback and counted; the next message is handled.
         """
+        if message_type is not None:
+            if not isinstance(message_type, type) and callable(message_type):
+                raise TypeError(f'The second argument is the type of the messages. Without one, write '
+                                f'robot.subscribe("{channel}", callback=...).')
+            schema_of(message_type)  # A wrong type is an error here, and not when the function is decorated.
         if callback is None:
             def decorate(function: Callback) -> Callback:
                 self._subscribe(channel, message_type, function, queue, name)
@@ -231,8 +262,7 @@ class Session:
 
     def _subscribe(self, channel: str, wanted: type[Message] | None, callback: AnyCallback, queue: Queue,
                    name: str) -> Subscription:
-        if not callable(callback):
-            raise TypeError(f"The callback of channel \"{channel}\" cannot be called: {callback!r}.")
+        check_callback(callback, 2, f'channel "{channel}"')
         key, inbox = self._new_inbox()
         raw = self._open(channel, wanted, inbox, queue, name)
         subscription = Subscription(raw, Reader(inbox, channel, wanted), callback, lambda: self._forget(key))
@@ -310,6 +340,7 @@ class Session:
                 self.serve(name, request_type, reply_type, function)
                 return function
             return decorate
+        check_callback(handler, 1, f'service "{name}"')
         key, inbox = self._new_inbox()
         raw = _hgros.serve(self._use(), name, schema_of(request_type), schema_of(reply_type), inbox)
         self._serving.add(name)
@@ -343,6 +374,7 @@ class Session:
                 self.timer(period, function, name=name)
                 return function
             return decorate
+        check_callback(callback, 1, "a timer")
         key, inbox = self._new_inbox()
         inbox.keep_last(1)
         name = name or f"python{key}"
@@ -374,9 +406,13 @@ class Session:
 
     def spin(self) -> None:
         """Runs callbacks on this thread until `stop` or `close` is called, or Ctrl-C is pressed (KeyboardInterrupt)."""
-        with self._Spinning(self) as stops:
+        self._spin(self._stops)
+
+    def _spin(self, stops: int) -> None:
+        with self._Spinning(self):
             self._ready.prepare()
             try:
+                self._ring_all()
                 while not self.closed and self._stops == stops:
                     self._handle(self._ready.wait(-1.0))
             finally:
@@ -394,13 +430,21 @@ class Session:
         with self._lock:
             if self._thread is not None and self._thread.is_alive():
                 return
-            self._thread = threading.Thread(target=self.spin, name=f"hgros {self.name}", daemon=True)
+            self._thread = threading.Thread(target=self._spin, args=(self._stops,), name=f"hgros {self.name}",
+                                            daemon=True)
             self._thread.start()
 
     def stop(self) -> None:
-        """Lets `spin`, `start` or `spin_async` end after the callback that runs. It can be called again after that."""
-        self._stops += 1
+        """Lets `spin`, `start` or `spin_async` end after the callback that runs. It can be called again after that.
+
+        Waits for the thread of `start`, except in its callbacks.
+        """
+        with self._lock:
+            self._stops += 1
+            thread = self._thread
         self._ready.wake()
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
 
     async def spin_async(self) -> None:
         """Runs callbacks in the running event loop of asyncio until `stop` or `close`."""
@@ -411,6 +455,7 @@ class Session:
             woken = asyncio.Event()
             loop.add_reader(self._ready.fileno(), woken.set)
             try:
+                self._ring_all()
                 while not self.closed and self._stops == stops:
                     await woken.wait()
                     self._handle(self._ready.take())
@@ -435,6 +480,11 @@ class Session:
         def __exit__(self, *error: Any) -> None:
             self._session._spinner = None
             self._session._spins.release()
+
+    def _ring_all(self) -> None:
+        # A signal may have ended the spin before this one after it had taken keys, and before it handled them.
+        for key in list(self._handlers):
+            self._ready.add(key)
 
     def _handle(self, keys: list[int]) -> None:
         keys.reverse()
@@ -465,7 +515,10 @@ class Session:
 def _close_all() -> None:
     global _relay
     for session in list(_sessions):
-        session.close()
+        try:
+            session._close(_LONGEST_CALLBACK_AT_EXIT_S)
+        except BaseException:
+            logger.exception("A session could not be closed.")
     with _setup:
         relay, _relay = _relay, None
     if relay is not None:

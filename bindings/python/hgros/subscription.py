@@ -42,14 +42,17 @@ class Reader:
         return None
 
     def _use(self, schema: _hgros.Schema) -> None:
+        self._decode = None  # Never that of another publisher.
         try:
             self._decode = decoder(schema, self._wanted, self.channel)
-        except Error as fault:
-            self._decode = None
+        except Exception as fault:
             kind = (schema.type_name, schema.fingerprint)
             if kind not in self._refused:
                 self._refused.add(kind)
-                logger.error("%s", fault)
+                if isinstance(fault, Error):
+                    logger.error("%s", fault)
+                else:
+                    logger.exception('Messages on channel "%s" of type %s cannot be read.', self.channel, schema.type_name)
 
 
 class Subscription:

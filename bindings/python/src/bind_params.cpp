@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -30,17 +31,22 @@ class ParamsHandle {
 
   [[nodiscard]] ParamServer& server() noexcept { return server_; }
   void Watch(const std::string& path, const std::shared_ptr<Inbox>& inbox) {
-    listening_.push_back(server_.OnChange(path, [inbox](const ParamEvent& event) {
+    auto listening = server_.OnChange(path, [inbox](const ParamEvent& event) {
       ParamsChanged changed;
       for (const auto& one : event.paths) changed.paths.push_back(one.ToString());
       inbox->Push(std::move(changed));
-    }));
+    });
+    const std::scoped_lock lock(mutex_);
+    if (session_) listening_.push_back(std::move(listening));
   }
   // The server stays: its values can still be read.
   void End() {
-    listening_.clear();
+    std::vector<Listening> ended;  // Destroyed after the lock.
+    std::shared_ptr<Session> session;
+    const std::scoped_lock lock(mutex_);
+    ended.swap(listening_);
     service_.reset();
-    session_.reset();
+    session.swap(session_);
   }
 
  private:
@@ -52,6 +58,7 @@ class ParamsHandle {
   ParamServer server_;
   std::shared_ptr<Session> session_;
   std::optional<ParamService> service_;
+  std::mutex mutex_;
   std::vector<Listening> listening_;
 };
 

@@ -29,26 +29,29 @@ constexpr double kLongestWaitS = 1e9;
 // The transforms of a session, which must end before it.
 class TransformsHandle {
  public:
-  explicit TransformsHandle(std::shared_ptr<Session> session)
-      : session_(std::move(session)), used_(std::make_shared<Transforms>(*session_)) {}
-  /// Errors: throws Error after End().
-  [[nodiscard]] std::shared_ptr<Transforms> used() const {
+  // Whoever uses the transforms keeps their session, too. The transforms are destroyed first.
+  struct Kept {
+    explicit Kept(std::shared_ptr<Session> of) : session(std::move(of)), transforms(*session) {}
+    std::shared_ptr<Session> session;
+    Transforms transforms;
+  };
+
+  explicit TransformsHandle(std::shared_ptr<Session> session) : kept_(std::make_shared<Kept>(std::move(session))) {}
+  /// Release it without the GIL: it may be the last one. Errors: throws Error after End().
+  [[nodiscard]] std::shared_ptr<Kept> used() const {
     const std::scoped_lock lock(mutex_);
-    if (!used_) throw Error("The session of the transforms is closed.");
-    return used_;
+    if (!kept_) throw Error("The session of the transforms is closed.");
+    return kept_;
   }
   void End() {
-    std::shared_ptr<Session> session;  // Released last.
-    std::shared_ptr<Transforms> used;
+    std::shared_ptr<Kept> last;  // Released after the lock.
     const std::scoped_lock lock(mutex_);
-    session.swap(session_);
-    used.swap(used_);
+    last.swap(kept_);
   }
 
  private:
   mutable std::mutex mutex_;
-  std::shared_ptr<Session> session_;
-  std::shared_ptr<Transforms> used_;
+  std::shared_ptr<Kept> kept_;
 };
 
 RigidTransform FromMatrix(const Matrix& rows) {
@@ -80,41 +83,46 @@ py::tuple ToPython(const TransformResult& result) {
   return py::make_tuple(ToMatrix(result->T_target_source), result->stamp.nanoseconds, "", "");
 }
 
-TransformResult Find(Transforms& transforms, const std::string& target, const std::string& source,
+using Used = std::shared_ptr<TransformsHandle::Kept>;
+
+TransformResult Find(const TransformsHandle& handle, const std::string& target, const std::string& source,
                      std::optional<std::int64_t> stamp_ns) {
   const py::gil_scoped_release released;
-  return stamp_ns ? transforms.FromTF(target, source, Time{*stamp_ns}) : transforms.FromTF(target, source);
+  const Used used = handle.used();
+  return stamp_ns ? used->transforms.FromTF(target, source, Time{*stamp_ns}) : used->transforms.FromTF(target, source);
 }
 
-TransformResult WaitPart(Transforms& transforms, const std::string& target, const std::string& source,
+// Between two parts of a wait nothing is kept, so the session can close.
+TransformResult WaitPart(const TransformsHandle& handle, const std::string& target, const std::string& source,
                          std::optional<std::int64_t> stamp_ns, Clock::time_point deadline) {
   const py::gil_scoped_release released;
-  TransformTree& tree = transforms.tree();
+  const Used used = handle.used();
+  TransformTree& tree = used->transforms.tree();
   TransformQuery query(tree.Frame(target), tree.Frame(source));
   if (stamp_ns) query.source_time = Time{*stamp_ns};
   const auto left = std::chrono::duration_cast<Duration>(deadline - Clock::now());
   return tree.Wait(query, std::clamp<Duration>(left, Duration(0), kSignalsEvery));
 }
 
-py::tuple Lookup(TransformsHandle& handle, const std::string& target, const std::string& source,
+py::tuple Lookup(const TransformsHandle& handle, const std::string& target, const std::string& source,
                  std::optional<std::int64_t> stamp_ns, double timeout_s) {
-  const auto used = handle.used();
-  TransformResult result = Find(*used, target, source, stamp_ns);
+  TransformResult result = Find(handle, target, source, stamp_ns);
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(std::clamp(timeout_s, 0.0, kLongestWaitS)));
   while (!result && Clock::now() < deadline) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    if (WaitPart(*used, target, source, stamp_ns, deadline)) break;
+    if (WaitPart(handle, target, source, stamp_ns, deadline)) break;
   }
   // Once more, for the reason why there is none.
-  return ToPython(result ? result : Find(*used, target, source, stamp_ns));
+  return ToPython(result ? result : Find(handle, target, source, stamp_ns));
 }
 
-std::string Send(TransformsHandle& handle, const std::string& parent, const std::string& child, const Matrix& pose,
-                 std::optional<std::int64_t> stamp_ns) {
+std::string Send(const TransformsHandle& handle, const std::string& parent, const std::string& child,
+                 const Matrix& pose, std::optional<std::int64_t> stamp_ns) {
   const RigidTransform T_parent_child = FromMatrix(pose);
-  return stamp_ns ? handle.used()->ToTF(Time{*stamp_ns}, parent, child, T_parent_child).text()
-                  : handle.used()->ToStaticTF(parent, child, T_parent_child).text();
+  const Used used = handle.used();
+  return stamp_ns ? used->transforms.ToTF(Time{*stamp_ns}, parent, child, T_parent_child).text()
+                  : used->transforms.ToStaticTF(parent, child, T_parent_child).text();
 }
 
 }  // namespace
@@ -127,7 +135,7 @@ void BindTransforms(py::module_& module) {
       .def("end", &TransformsHandle::End, Released())
       .def("send", &Send, Released(), py::arg("parent"), py::arg("child"), py::arg("pose"), py::arg("stamp_ns"))
       .def(
-          "flush", [](TransformsHandle& handle) { handle.used()->Flush(); }, Released());
+          "flush", [](const TransformsHandle& handle) { handle.used()->transforms.Flush(); }, Released());
 }
 
 }  // namespace hgros::python

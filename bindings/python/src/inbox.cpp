@@ -74,6 +74,17 @@ std::optional<Arrival> Inbox::TakeOne(bool& more) {
   return taken;
 }
 
+void Inbox::Clear() {
+  std::deque<Arrival> left;  // Released after the lock.
+  {
+    const std::scoped_lock lock(mutex_);
+    left.swap(arrivals_);
+    bytes_ = 0;
+    announced_ = false;
+  }
+  room_.notify_all();
+}
+
 void Inbox::Close() {
   std::deque<Arrival> left;  // Released after the lock.
   {

@@ -42,6 +42,8 @@ class Inbox {
   [[nodiscard]] bool IsNew(const std::shared_ptr<const MessageSchema>& schema) {
     return std::exchange(last_schema_, schema) != schema;
   }
+  /// Drops what waits, without counting it.
+  void Clear();
   /// Ends all waiting. Nothing can be pushed or taken any more.
   void Close();
 

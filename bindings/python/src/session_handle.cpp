@@ -59,6 +59,7 @@ std::unique_ptr<SubscriptionHandle> SessionHandle::Subscribe(const std::string& 
   if (made.queue.lossless() && made.executor.kind() == Executor::Kind::kInline) {
     // The configuration has made the queue lossless.
     subscription.Reset();
+    inbox->Clear();  // The new subscription gets the latched messages again.
     chosen.executor = Executor::Dedicated();
     subscription = session->FromAnyRaw(channel, Invoke::kSerial, put, chosen);
     made = subscription.stats();
