@@ -149,10 +149,7 @@ void ArrivingComponent::Restore(const MovingState& moving) {
   for (const InputPosition& position : moving.positions) {
     for (Core::Input& input : core_->inputs) {
       if (input.gate->node() == position.input) {
-        MessageInfo info;
-        info.id = position.last;
-        info.number = position.number;
-        info.remote = position.remote;
+        const MessageInfo info = MessageAt(position);
         input.streams[SenderOf(info.id)].handled.Note(info);
         input.gate->NotePosition(info);
       }

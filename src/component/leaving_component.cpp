@@ -155,10 +155,7 @@ std::optional<MovingMessage> LeavingComponent::Next() {
 
 void LeavingComponent::Passed(const InputPosition& position) {
   Core::Stream& stream = core_->streams[position.input][SenderOf(position.last)];
-  MessageInfo first;
-  first.id = position.last;
-  first.number = position.number;
-  first.remote = position.remote;
+  const MessageInfo first = MessageAt(position);
   stream.own.emplace().Note(first);
   stream.passed = stream.last.Ahead(first) <= 1;
 }

@@ -3,9 +3,19 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "hgros/component/component_move.hpp"
 #include "hgros/graph/message_info.hpp"
 
 namespace hgros {
+
+// The message at this position.
+inline MessageInfo MessageAt(const InputPosition& position) {
+  MessageInfo info;
+  info.id = position.last;
+  info.number = position.number;
+  info.remote = position.remote;
+  return info;
+}
 
 // How far the messages of one publisher have come.
 struct StreamPosition {

@@ -74,14 +74,15 @@ std::string ListenerAt(const std::string& robot) {
 
 // Whether a process of this user has the socket. One that does not accept connections cannot be asked.
 bool HasOwnProcess(const std::string& listener) {
+  using Entries = std::filesystem::directory_iterator;
   std::error_code error;
-  for (const auto& process : std::filesystem::directory_iterator("/proc", error)) {
+  for (Entries process("/proc", error); !error && process != Entries(); process.increment(error)) {
     struct stat owner {};
-    if (stat(process.path().c_str(), &owner) != 0 || owner.st_uid != getuid()) continue;
-    std::filesystem::directory_iterator at(process.path() / "fd", error);
-    for (; !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
-      if (std::filesystem::read_symlink(at->path(), error) == listener) return true;
-      error.clear();  // It was closed meanwhile.
+    if (stat(process->path().c_str(), &owner) != 0 || owner.st_uid != getuid()) continue;
+    std::error_code gone;  // Processes and descriptors may end meanwhile.
+    for (Entries at(process->path() / "fd", gone); !gone && at != Entries(); at.increment(gone)) {
+      if (std::filesystem::read_symlink(at->path(), gone) == listener) return true;
+      gone.clear();
     }
   }
   return false;
@@ -165,23 +166,28 @@ std::string RobotNamed(const std::string& wanted) {
     throw Error("No robot was started here by this user" + where + ".", {}, "Start one with `hgros run`.");
   std::string names;
   for (const std::string& robot : robots) names += (names.empty() ? "" : ", ") + robot;
-  throw Error("Several robots run: " + names + ".", {}, "Name one with --robot.");
+  throw Error("Several robots run: " + names + ".", {}, "Name one with --robot, or after `hgros stop`.");
 }
 
 std::unique_ptr<MessageStream> ConnectToRobot(const std::string& name) {
   const Error unreached("No robot \"" + name + "\" can be reached.", {}, "`hgros ps` lists those that run.");
-  if (!IsOurRobot(name)) throw unreached;
   const Address address = AddressOf(name);
-  const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (descriptor < 0) throw Error("The system refused a socket: " + std::generic_category().message(errno) + ".");
   auto stream = std::make_unique<MessageStream>(descriptor);
-  const timeval patience{5, 0};
-  (void)setsockopt(descriptor, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-  if (connect(descriptor, reinterpret_cast<const sockaddr*>(&address.address), address.size) != 0 ||
-      !IsOurs(descriptor)) {
-    throw unreached;
+  const auto connects = [&] {
+    return connect(descriptor, reinterpret_cast<const sockaddr*>(&address.address), address.size) == 0;
+  };
+  if (!connects()) {
+    if (errno != EAGAIN || !HasOwnProcess(ListenerAt(name))) throw unreached;
+    // It has no time now.
+    (void)fcntl(descriptor, F_SETFL, 0);
+    const timeval patience{5, 0};
+    (void)setsockopt(descriptor, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    if (!connects()) throw unreached;
+    (void)fcntl(descriptor, F_SETFL, O_NONBLOCK);
   }
-  (void)fcntl(descriptor, F_SETFL, O_NONBLOCK);
+  if (!IsOurs(descriptor)) throw unreached;
   return stream;
 }
 

@@ -158,7 +158,7 @@ class MovingBetweenHosts {
   const std::unique_ptr<CommandRun> run_ = host_.Run(robot_);
 };
 
-// What is killed, or stopped for a moment, during a move between hosts.
+// A process that the test kills or stops during a move.
 struct Victim {
   std::string space;
   std::string name;
