@@ -60,11 +60,13 @@ std::string CanonicalSchema(const Descriptor& type) {
   while (!open.empty()) {
     const Descriptor& next = *open.back();
     open.pop_back();
-    if (!texts.emplace(next.full_name(), MessageText(next)).second) continue;
+    const auto is_new = [&texts](const auto* used) { return used != nullptr && !texts.contains(used->full_name()); };
+    if (!is_new(&next)) continue;
+    texts.emplace(next.full_name(), MessageText(next));
     for (int i = 0; i < next.field_count(); ++i) {
       const FieldDescriptor& field = *next.field(i);
-      if (field.message_type() != nullptr) open.push_back(field.message_type());
-      if (field.enum_type() != nullptr) texts.emplace(field.enum_type()->full_name(), EnumText(*field.enum_type()));
+      if (is_new(field.message_type())) open.push_back(field.message_type());
+      if (is_new(field.enum_type())) texts.emplace(field.enum_type()->full_name(), EnumText(*field.enum_type()));
     }
   }
   std::string canonical = "protobuf 1 " + type.full_name() + "\n";

@@ -63,6 +63,24 @@ TEST(SchemaFingerprint, CoversReachableMessagesAndEnums) {
   EXPECT_EQ(text.find("foxglove.PointCloud"), std::string::npos);
 }
 
+// Each type is written once. It was written again for each field that has it, which took 10 s here.
+TEST(SchemaFingerprint, IsQuickForManyFieldsOfAType) {
+  FileDescriptorProto file;
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(File(""), &file));
+  for (int number = 1; number <= 9000; ++number) {
+    auto& field = *file.mutable_message_type(0)->add_field();
+    field.set_name("f" + std::to_string(number));
+    field.set_number(number);
+    field.set_label(google::protobuf::FieldDescriptorProto::LABEL_OPTIONAL);
+    field.set_type_name(number % 2 == 0 ? ".t.M" : ".t.E");
+  }
+  DescriptorPool pool;
+  ASSERT_NE(pool.BuildFile(file), nullptr);
+  const std::string text = CanonicalSchema(*pool.FindMessageTypeByName("t.M"));
+  EXPECT_EQ(text.find("message t.M\n"), text.rfind("message t.M\n"));
+  EXPECT_NE(text.find("9000 optional message t.M f9000\n"), std::string::npos);
+}
+
 TEST(SchemaFingerprint, StaysTheSameForever) {
   EXPECT_EQ(SchemaFingerprint(*foxglove::Vector3::descriptor()), 0xe77328b18d56202aU);
   EXPECT_EQ(SchemaFingerprint(*foxglove::FrameTransform::descriptor()), 0x94b3ed65d36ffdfaU);
