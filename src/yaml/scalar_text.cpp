@@ -76,7 +76,10 @@ std::string FromNumber(double number) {
   if (std::isnan(number)) return ".nan";
   if (std::isinf(number)) return number > 0 ? ".inf" : "-.inf";
   std::array<char, 40> buffer{};
-  const auto [end, fault] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number);
+  const double size = std::abs(number);
+  const auto format = size == 0 || (size >= 1e-4 && size < 1e16) ? std::chars_format::fixed  // 300000.0, not 3e+05.
+                                                                 : std::chars_format::scientific;
+  const auto [end, fault] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, format);
   std::string text(buffer.data(), end);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;

@@ -17,7 +17,7 @@ namespace hgros::scalar {
 // Not empty, not null, not a boolean and not a number.
 [[nodiscard]] bool IsPlainString(std::string_view text);
 
-// The shortest text that gives the same number again.
+// The shortest text that gives the same number again, with an exponent only for very large and very small ones.
 [[nodiscard]] std::string FromNumber(double number);
 
 }  // namespace hgros::scalar
