@@ -81,6 +81,15 @@ TEST(HgrosCheck, RefusesARobotFileWithAMisspelledKey) {
   EXPECT_THAT(files.Findings({"robot.yaml", "--section", "component"}), IsEmpty()) << "The section of a program.";
 }
 
+TEST(HgrosCheck, TellsAFaultOnceThatSeveralFilesInclude) {
+  ConfigFiles files;
+  files.Add("parts.yaml", "components:\n  drive: {type: teleop/Drive, colour: red}\n");
+  files.Add("desk.yaml", "include: parts.yaml\n");
+  files.Add("robot.yaml", "include: parts.yaml\n");
+  EXPECT_THAT(files.Findings({"parts.yaml", "desk.yaml", "robot.yaml"}),
+              ElementsAre(HasSubstr("parts.yaml:2:31: fault: Unknown key \"colour\"")));
+}
+
 TEST(HgrosCheck, TellsWhichListLacksAChannel) {
   ConfigFiles files;
   files.Add("robot1.yaml", "network:\n  publisher: {ip: 'tcp://*:5553', channels: [pose, scan]}\n");

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "check/config_schema.hpp"
@@ -189,6 +191,8 @@ int CheckCommand::Run(Surroundings& surroundings) {
   CheckKeys(deployment, findings);
   CheckSettings(deployment, findings);
   RemoveIgnored(findings);
+  std::set<std::pair<std::string, std::string>> told;  // A file that several others include is read for each of them.
+  std::erase_if(findings, [&](const auto& one) { return !told.emplace(one.at.ToString(), one.what).second; });
   std::ranges::stable_sort(findings, {}, &FileFinding::severity);
   Write(console, findings);
   const bool wrong =
