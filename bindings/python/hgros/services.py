@@ -80,6 +80,7 @@ class Call(Generic[R]):
         return self._value()
 
     def _end(self) -> bool:
+        self._ticket.refuse_in_child()
         with self._lock:
             if not self._ended and (taken := self._inbox.take(1)):
                 wire, schema, kind, reason = taken[0]

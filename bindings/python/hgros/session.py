@@ -96,7 +96,6 @@ class Session:
         self._closes = threading.RLock()
         self._closing = False
         self._closed = False
-        self._forked = False
         with _setup:
             _sessions.add(self)
 
@@ -104,22 +103,22 @@ class Session:
 
     @property
     def id(self) -> str:
-        return self._native.id
+        return self._use().id
 
     @property
     def name(self) -> str:
-        return self._native.name
+        return self._use().name
 
     @property
     def closed(self) -> bool:
-        return self._closing or self._forked
+        return self._closing or self._native.of_parent
 
     def close(self) -> None:
         """Ends the session: no callback begins any more, and what was published is sent. May be called in a callback."""
         self._close(None)
 
     def _close(self, longest_wait_s: float | None) -> None:
-        if self._forked:
+        if self._native.of_parent:
             return
         self._closing = True
         self._ready.wake()
@@ -160,13 +159,12 @@ class Session:
         self.close()
 
     def __del__(self) -> None:
-        if hasattr(self, "_forked"):
+        if hasattr(self, "_closed"):
             self.close()
 
     def _use(self) -> _hgros.Session:
-        if self._forked:
-            raise Error("The session belongs to the process that made it, and this one was forked from that. Make the "
-                        "session after the fork.")
+        # First in each function: in a forked child, locks may never be released.
+        self._native.refuse_in_child()
         return self._native
 
     # Parameters, transforms, counters.
@@ -174,17 +172,19 @@ class Session:
     @property
     def params(self) -> Parameters:
         """The parameters of the program."""
+        native = self._use()
         with self._lock:
             if self._params is None:
-                self._params = Parameters(self, _hgros.Params(self._use(), self._file))
+                self._params = Parameters(self, _hgros.Params(native, self._file))
             return self._params
 
     @property
     def transforms(self) -> Transforms:
         """The transforms of all sessions."""
+        native = self._use()
         with self._lock:
             if self._transforms is None:
-                self._transforms = Transforms(_hgros.Transforms(self._use()))
+                self._transforms = Transforms(_hgros.Transforms(native))
             return self._transforms
 
     def snapshot(self) -> SessionSnapshot:
@@ -270,6 +270,7 @@ class Session:
         return subscription
 
     def _new_inbox(self) -> tuple[int, _hgros.Inbox]:
+        self._use()
         with self._lock:
             key = self._next_key
             self._next_key += 1
@@ -427,6 +428,7 @@ class Session:
 
     def start(self) -> None:
         """Runs callbacks on a thread of their own until `stop` or `close`; for notebooks and interactive use."""
+        self._use()
         with self._lock:
             if self._thread is not None and self._thread.is_alive():
                 return
@@ -439,6 +441,7 @@ class Session:
 
         Waits for the thread of `start`, except in its callbacks.
         """
+        self._use()
         with self._lock:
             self._stops += 1
             thread = self._thread
@@ -526,24 +529,9 @@ def _close_all() -> None:
 
 
 def _after_fork_in_child() -> None:
-    # The threads of sessions are in the parent. Nothing of them is used or destroyed here.
-    global _relay, _setup
-    _setup = threading.Lock()
-    for session in list(_sessions):
-        session._forked = True
-        _hgros.leave_to_parent(session)
-        _hgros.leave_to_parent(session._native)
-        if session._params is not None:
-            _hgros.leave_to_parent(session._params._raw)
-        if session._transforms is not None:
-            _hgros.leave_to_parent(session._transforms._raw)
-        for stream in list(session._streams):
-            _hgros.leave_to_parent(stream)
-            stream._raw = None
-    _sessions.clear()
-    if _relay is not None:
-        _hgros.leave_to_parent(_relay)
-        _relay = None
+    # The parent's sessions and their parts know by themselves that they are not used or destroyed here.
+    global _relay, _sessions, _setup
+    _relay, _sessions, _setup = None, weakref.WeakSet(), threading.Lock()
 
 
 atexit.register(_close_all)

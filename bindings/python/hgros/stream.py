@@ -110,7 +110,7 @@ class Messages(Generic[M]):
     def close(self) -> None:
         """Ends the subscription, and iterations on other threads. Does nothing if it has ended."""
         raw, self._raw = self._raw, None
-        if raw is not None:
+        if raw is not None and not raw.of_parent:
             self._dropped = raw.dropped
             self._end()
             raw.end()

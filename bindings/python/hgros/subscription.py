@@ -102,7 +102,7 @@ class Subscription:
     def end(self) -> None:
         """Ends the subscription. Does nothing if it has ended."""
         raw, self._raw = self._raw, None
-        if raw is not None:
+        if raw is not None and not raw.of_parent:
             self._last = (self._last[0], raw.received, raw.dropped)
             self._end()
             raw.end()

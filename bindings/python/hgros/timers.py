@@ -76,6 +76,11 @@ class Rate:
 
     def sleep(self) -> Tick:
         """Sleeps until the next turn; returns at once if that has passed. Raises Error if the session is closed."""
+        if (tick := self._turn()) is None:
+            raise Error("The rate has ended: its session is closed.")
+        return tick
+
+    def _turn(self) -> Tick | None:
         while self._raw is not None:
             for planned, now, missed in self._inbox.take(1):
                 dropped = self._inbox.dropped
@@ -83,16 +88,15 @@ class Rate:
                 self._dropped = dropped
                 return Tick(planned, now, missed)
             self._ready.wait(-1.0)
-        raise Error("The rate has ended: its session is closed.")
+        return None
 
     def __iter__(self) -> Rate:
         return self
 
     def __next__(self) -> Tick:
-        try:
-            return self.sleep()
-        except Error:
-            raise StopIteration from None
+        if (tick := self._turn()) is None:
+            raise StopIteration
+        return tick
 
     def close(self) -> None:
         """Ends the rate and a loop that uses it."""
