@@ -35,6 +35,26 @@ class Subscribing(RobotTest):
 
         self.assertEqual(on_log.__name__, "on_log")
 
+    def test_subscriptions_are_found_by_their_channel(self):
+        robot = self.session()
+
+        @robot.subscribe("log")
+        def on_log(message, info):
+            pass
+
+        again = robot.subscribe("log", callback=on_log)
+        other = robot.subscribe("other", callback=on_log)
+        robot.timer(1, lambda tick: None)
+        first, second = robot.subscriptions("log")
+        self.assertIs(first.callback, on_log)
+        self.assertIs(second, again)
+        self.assertEqual(robot.subscriptions(), [first, again, other])
+        self.assertEqual(robot.subscriptions("nothing"), [])
+        robot.advertise("log", Log).publish(Log())
+        self.spin_until(robot, lambda: first.run == 1)
+        first.end()
+        self.assertEqual(robot.subscriptions("log"), [again])
+
     def test_messages_come_in_order_to_callbacks_on_the_spinning_thread(self):
         robot = self.session()
         heard = []

@@ -245,8 +245,9 @@ class Session:
                   queue: Queue = KeepLast(), name: str = "") -> Any:
         """Calls `callback(message, info)` with every message of a channel.
 
-        Without a type, the type comes with the channel. As a decorator it returns the function. An exception of the
-        callback is logged with its traceback and counted; the next message is handled.
+        Without a type, the type comes with the channel. As a decorator it returns the function, and `subscriptions` has
+        the subscription. An exception of the callback is logged with its traceback and counted; the next message is
+        handled.
         """
         if message_type is not None:
             if not isinstance(message_type, type) and callable(message_type):
@@ -259,6 +260,12 @@ class Session:
                 return function
             return decorate
         return self._subscribe(channel, message_type, callback, queue, name)
+
+    def subscriptions(self, channel: str | None = None) -> list[Subscription]:
+        """The subscriptions with callbacks that have not ended, of one channel or of all, the oldest first."""
+        self._use()
+        return [one for one in list(self._handlers.values())
+                if isinstance(one, Subscription) and channel in (None, one.channel)]
 
     def _subscribe(self, channel: str, wanted: type[Message] | None, callback: AnyCallback, queue: Queue,
                    name: str) -> Subscription:
