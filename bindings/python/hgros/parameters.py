@@ -23,6 +23,7 @@ class ParamError(Error):
 
 class _Watch:
     def __init__(self, inbox: _hgros.Inbox, path: str, callback: Changed) -> None:
+        self.run = 0
         self.failed = 0
         self._inbox = inbox
         self._path = path
@@ -33,6 +34,7 @@ class _Watch:
 
     def handle_some(self) -> bool:
         for paths in self._inbox.take(16):
+            self.run += 1
             try:
                 self._callback(paths)
             except Exception:

@@ -8,6 +8,7 @@ import os
 import pathlib
 import sys
 import threading
+import time
 import weakref
 from types import TracebackType
 from typing import Any, Callable, Iterable, Protocol, TypeVar, overload
@@ -46,6 +47,8 @@ _setup = threading.Lock()
 
 
 class _Handler(Protocol):
+    run: int  # Callbacks that have begun.
+
     def handle_some(self) -> bool: ...
     def end(self) -> None: ...
 
@@ -427,11 +430,18 @@ class Session:
                 self._ready.relax()
 
     def spin_once(self, timeout: float = 0.0) -> bool:
-        """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether there were any."""
-        with self._Spinning(self):
-            keys = self._ready.wait(max(timeout, 0.0))
-            self._handle(keys)
-            return bool(keys)
+        """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether any callback ran.
+
+        `stop` and `close` end the wait.
+        """
+        with self._Spinning(self) as stops:
+            deadline = time.monotonic() + max(timeout, 0.0)
+            self._ring_all()
+            while True:
+                if self._handle(self._ready.wait(max(deadline - time.monotonic(), 0.0))):
+                    return True
+                if self.closed or self._stops != stops or time.monotonic() >= deadline:
+                    return False
 
     def start(self) -> None:
         """Runs callbacks on a thread of their own until `stop` or `close`; for notebooks and interactive use."""
@@ -481,11 +491,12 @@ class Session:
 
         def __enter__(self) -> int:
             self._session._use()
+            stops = self._session._stops  # A stop() from here on ends the spin.
             if not self._session._spins.acquire(blocking=False):
                 raise Error("The session spins already. Only one of spin, spin_once, start and spin_async runs at a "
                             "time, and not inside a callback.")
             self._session._spinner = threading.get_ident()
-            return self._session._stops
+            return stops
 
         def __exit__(self, *error: Any) -> None:
             self._session._spinner = None
@@ -496,10 +507,12 @@ class Session:
         for key in list(self._handlers):
             self._ready.add(key)
 
-    def _handle(self, keys: list[int]) -> None:
+    def _handle(self, keys: list[int]) -> int:
+        # Returns how many callbacks ran.
         keys.reverse()
         key = -1
         more = False
+        ran = 0
         try:
             while keys and not self.closed:
                 key = keys.pop()
@@ -507,7 +520,9 @@ class Session:
                 if handler is None:
                     continue
                 more = True
+                before = handler.run
                 more = handler.handle_some()
+                ran += handler.run - before
                 if more:
                     self._ready.add(key)
                     more = False
@@ -517,6 +532,7 @@ class Session:
                 keys.append(key)
             for left in reversed(keys):
                 self._ready.add(left)
+        return ran
 
     def __repr__(self) -> str:
         return f"<hgros.Session {'closed' if self.closed else self.name}>"
