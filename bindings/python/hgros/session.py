@@ -11,13 +11,13 @@ import threading
 import time
 import weakref
 from types import TracebackType
-from typing import Any, Callable, Iterable, Protocol, TypeVar, overload
+from typing import Any, Callable, Iterable, TypeVar, overload
 
 from google.protobuf.message import Message
 
 from . import _hgros
 from .bulk import LoanedMessage
-from .callbacks import check_callback
+from .callbacks import Handler, check_callback
 from .errors import Error
 from .log_relay import LogRelay, logger
 from .message_types import schema_of
@@ -44,13 +44,6 @@ _LONGEST_CALLBACK_AT_EXIT_S = 5.0
 _relay: LogRelay | None = None
 _sessions: weakref.WeakSet[Session] = weakref.WeakSet()
 _setup = threading.Lock()
-
-
-class _Handler(Protocol):
-    run: int  # Callbacks that have begun.
-
-    def handle_some(self) -> bool: ...
-    def end(self) -> None: ...
 
 
 def _log_inbox() -> _hgros.Inbox:
@@ -83,7 +76,7 @@ class Session:
         self._native = _hgros.Session(None if file is None else os.fspath(file), text, list(sections),
                                       _program() if name is None else name, _log_inbox())
         self._ready = _hgros.ReadyList()
-        self._handlers: dict[int, _Handler] = {}
+        self._handlers: dict[int, Handler] = {}
         self._streams: weakref.WeakSet[Messages[Any] | Rate] = weakref.WeakSet()
         self._file = None if file is None else os.fspath(file)
         self._params: Parameters | None = None
@@ -279,14 +272,18 @@ class Session:
         self._add(key, subscription)
         return subscription
 
-    def _new_inbox(self) -> tuple[int, _hgros.Inbox]:
+    def _new_key(self) -> int:
         self._use()
         with self._lock:
             key = self._next_key
             self._next_key += 1
+        return key
+
+    def _new_inbox(self) -> tuple[int, _hgros.Inbox]:
+        key = self._new_key()
         return key, _hgros.Inbox(self._ready, key)
 
-    def _add(self, key: int, handler: _Handler) -> None:
+    def _add(self, key: int, handler: Handler) -> None:
         self._handlers[key] = handler
         self._ready.add(key)  # Something may have come before there was a handler.
 
@@ -315,9 +312,8 @@ class Session:
         ready = _hgros.ReadyList()
         inbox = _hgros.Inbox(ready, 0)
         raw = self._open(channel, message_type, inbox, queue, name)
-        streams = self._streams
-        stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout, lambda: None)
-        streams.add(stream)
+        stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout)
+        self._streams.add(stream)
         return stream
 
     # Services.
@@ -389,18 +385,17 @@ class Session:
         key, inbox = self._new_inbox()
         inbox.keep_last(1)
         name = name or f"python{key}"
-        raw = _hgros.create_timer(self._use(), name, period_ns(period), False, inbox)
+        raw = _hgros.create_timer(self._use(), name, period_ns(period), inbox)
         timer = Timer(raw, inbox, name, callback, lambda: self._forget(key))
         self._add(key, timer)
         return timer
 
     def rate(self, period: float) -> Rate:
         """For a loop that runs every `period` seconds of the session's clock: `for tick in robot.rate(0.1)`."""
-        key, _ = self._new_inbox()
         ready = _hgros.ReadyList()
         inbox = _hgros.Inbox(ready, 0)
         inbox.keep_last(1)
-        rate = Rate(_hgros.create_timer(self._use(), f"python{key}", period_ns(period), False, inbox), inbox, ready)
+        rate = Rate(_hgros.create_timer(self._use(), f"python{self._new_key()}", period_ns(period), inbox), inbox, ready)
         self._streams.add(rate)
         return rate
 

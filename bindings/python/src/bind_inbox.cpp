@@ -16,8 +16,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-
 // Up to here a copy costs less than keeping the memory in which the message arrived.
 constexpr std::size_t kCopiedBytes = 4096;
 
@@ -157,7 +155,7 @@ void BindInbox(py::module_& module) {
       .def("keep_last", [](Inbox& inbox, std::size_t depth) { inbox.SetQueue(Queue::KeepLast(depth)); })
       .def("take", &TakeFrom, py::arg("most"))
       .def("next", &NextOf)
-      .def("close", &Inbox::Close, py::call_guard<py::gil_scoped_release>())
+      .def("end", &Inbox::Close, Released())
       .def_property_readonly("dropped", &Inbox::dropped)
       .def_property_readonly("queued", &Inbox::queued);
 }

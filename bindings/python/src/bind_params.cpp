@@ -18,9 +18,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-using Released = py::call_guard<py::gil_scoped_release>;
-
 // The parameters of a session's program, which other sessions can read and set.
 class ParamsHandle : public OfProcess {
  public:

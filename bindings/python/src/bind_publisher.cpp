@@ -16,7 +16,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
 using Clock = std::chrono::steady_clock;
 
 // Copying fewer bytes takes less time than letting another thread of Python run.

@@ -15,9 +15,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-using Released = py::call_guard<py::gil_scoped_release>;
-
 // Keeps a call that is under way.
 class TicketHandle : public OfProcess {
  public:
@@ -79,9 +76,8 @@ Owned<ServiceHandle> Serve(const SessionHandle& handle, const std::string& name,
 }
 
 Owned<TimerHandle> CreateTimer(const SessionHandle& handle, const std::string& name, std::int64_t period_ns,
-                               bool catch_up, const std::shared_ptr<Inbox>& inbox) {
+                               const std::shared_ptr<Inbox>& inbox) {
   NodeTimerOptions options;
-  options.missed = catch_up ? Missed::kCatchUp : Missed::kSkip;
   options.executor = Executor::Inline();
   auto timer = handle.Use()->CreateTimer(
       name, Duration(period_ns), [inbox](const Tick& tick) { inbox->Push(tick); }, options);
@@ -103,7 +99,7 @@ void BindServices(py::module_& module) {
   module.def("serve", &Serve, Released(), py::arg("session"), py::arg("name"), py::arg("request"), py::arg("reply"),
              py::arg("inbox"));
   module.def("create_timer", &CreateTimer, Released(), py::arg("session"), py::arg("name"), py::arg("period_ns"),
-             py::arg("catch_up"), py::arg("inbox"));
+             py::arg("inbox"));
 }
 
 }  // namespace hgros::python

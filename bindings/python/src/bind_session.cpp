@@ -13,8 +13,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-
 std::chrono::nanoseconds Nanoseconds(double seconds) {
   constexpr double kMost = 1e9;
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -37,7 +35,7 @@ Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes) {
 
 void BindSubscription(py::module_& module) {
   py::class_<SubscriptionHandle, Owned<SubscriptionHandle>>(module, "Subscription", "Keeps a subscription.")
-      .def("end", &SubscriptionHandle::End, py::call_guard<py::gil_scoped_release>())
+      .def("end", &SubscriptionHandle::End, Released())
       .def_property_readonly("of_parent", [](const SubscriptionHandle& one) { return one.of_parent(); })
       .def_property_readonly("name", [](const SubscriptionHandle& one) { return one.subscription().name(); })
       .def_property_readonly("received",
@@ -52,7 +50,6 @@ void BindSubscription(py::module_& module) {
 
 void BindSession(py::module_& module) {
   BindSubscription(module);
-  using Released = py::call_guard<py::gil_scoped_release>;
   py::class_<SessionHandle, std::shared_ptr<SessionHandle>>(module, "Session", "A session of C++.")
       .def(py::init([](const std::optional<std::string>& file, const std::optional<std::string>& text,
                        const std::vector<std::string>& sections, const std::string& name,

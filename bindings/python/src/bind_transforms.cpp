@@ -17,8 +17,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-using Released = py::call_guard<py::gil_scoped_release>;
 using Clock = std::chrono::steady_clock;
 using Matrix = std::array<double, 16>;  // Row by row.
 
