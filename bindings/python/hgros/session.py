@@ -75,6 +75,7 @@ class Session:
             raise ValueError("Give a file or a text, not both.")
         self._native = _hgros.Session(None if file is None else os.fspath(file), text, list(sections),
                                       _program() if name is None else name, _log_inbox())
+        self._id, self._name = self._native.id, self._native.name
         self._ready = _hgros.ReadyList()
         self._handlers: dict[int, Handler] = {}
         self._streams: weakref.WeakSet[Messages[Any] | Rate] = weakref.WeakSet()
@@ -99,11 +100,13 @@ class Session:
 
     @property
     def id(self) -> str:
-        return self._use().id
+        self._use()
+        return self._id
 
     @property
     def name(self) -> str:
-        return self._use().name
+        self._use()
+        return self._name
 
     @property
     def closed(self) -> bool:

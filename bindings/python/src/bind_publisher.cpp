@@ -74,16 +74,22 @@ class LoanedBytes : public OfProcess {
       const Bytes whole(data() - before.size(), before.size() + size_bytes_);
       status = PublishOrWait(publisher, Payload{whole, block_.payload().owner}, timeout_s);
     } else {
-      Block larger = publisher.Loan(before.size() + size_bytes_);
-      std::memcpy(larger.writable().data(), before.data(), before.size());
-      std::memcpy(larger.writable().data() + before.size(), data(), size_bytes_);
-      status = PublishOrWait(publisher, larger.payload(), timeout_s);
+      status = PublishOrWait(publisher, Larger(publisher, before).payload(), timeout_s);
     }
     published_ = status == PublishStatus::kOk;
     return status;
   }
 
  private:
+  // A copy, with more room before the bytes.
+  [[nodiscard]] Block Larger(const PublisherHandle& publisher, const std::string& before) {
+    const py::gil_scoped_release released;
+    Block larger = publisher.Loan(before.size() + size_bytes_);
+    std::memcpy(larger.writable().data(), before.data(), before.size());
+    std::memcpy(larger.writable().data() + before.size(), data(), size_bytes_);
+    return larger;
+  }
+
   Block block_;
   std::size_t size_bytes_;
   bool published_ = false;
