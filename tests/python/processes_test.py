@@ -216,7 +216,27 @@ class Processes(RobotTest):
             "print(set(kept.data))\n")
         self.assertEqual((out, err, code), ("0 1\n{1}\n", "", 0))
 
-    def test_forked_child_drops_what_threads_of_its_parent_use(self):
+    def test_forked_child_ends_and_drops_what_threads_of_its_parent_use(self):
+        out, err, code = self.run_to_end(
+            "import gc\n"
+            "robot = hgros.Session()\n"
+            "publisher = robot.advertise('log', Log)\n"
+            "messages = robot.messages('log', queue=hgros.KeepAll(1))\n"
+            "subscription = robot.subscribe('log', Log, lambda message, info: None, queue=hgros.KeepAll(1))\n"
+            "try:\n"
+            "    while True: publisher.publish(Log(), timeout=0.05)\n"
+            "except hgros.QueueFull: pass  # Two threads wait for room in an inbox.\n"
+            "child = os.fork()\n"
+            "if child == 0:\n"
+            "    subscription.end(), messages.close()\n"
+            "    del publisher, messages, subscription, robot\n"
+            "    gc.collect()\n"
+            "    print('dropped', flush=True)\n"
+            "    os._exit(0)\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n")
+        self.assertEqual((out, err, code), ("dropped\n0\n", "", 0))
+
+    def test_forked_child_drops_what_threads_of_its_parent_use_all_the_time(self):
         out, err, code = self.run_to_end(
             "import gc\n"
             "robot = hgros.Session()\n"
@@ -230,7 +250,7 @@ class Processes(RobotTest):
             "        try: publisher.publish(Log(), timeout=0.01)\n"
             "        except hgros.QueueFull: pass\n"
             "threading.Thread(target=publish).start()\n"
-            "for _ in range(30):\n"
+            "for _ in range(100):\n"
             "    next(messages)\n"
             "    child = os.fork()\n"
             "    if child == 0:\n"
