@@ -1,5 +1,7 @@
+import copy
 import gc
 import json
+import pickle
 
 import numpy as np
 from google.protobuf import json_format
@@ -75,6 +77,49 @@ class Bulk(RobotTest):
         self.assertEqual(json.loads(json_format.MessageToJson(received))["frameId"], "laser")
         with self.assertRaisesRegex(AttributeError, "read-only"):
             received.frame_id = "other"
+
+    def test_nothing_changes_a_received_message(self):
+        sent = cloud_of(3)
+        sent.timestamp.FromNanoseconds(5)
+        sent.pose.position.x = 7
+        self.publisher.publish(sent)
+        received = next(self.messages)
+        received.timestamp.FromNanoseconds(6)
+        received.pose.position.x = 8
+        received.fields[0].name = "w"
+        with self.assertRaises(AttributeError):
+            received.fields.add()
+        for change in (lambda m: m.Clear(), lambda m: m.ClearField("frame_id"), lambda m: m.CopyFrom(sent),
+                       lambda m: m.MergeFrom(sent), lambda m: m.MergeFromString(b""), lambda m: m.ParseFromString(b""),
+                       lambda m: m.SetInParent(), lambda m: m.DiscardUnknownFields(), lambda m: delattr(m, "_head")):
+            with self.assertRaisesRegex(AttributeError, "read-only"):
+                change(received)
+        self.assertEqual([field.name for field in received.fields], ["x", "y", "z"])
+        self.assertEqual((received.timestamp.ToNanoseconds(), received.pose.position.x), (5, 7))
+        self.assertEqual(received, sent)
+
+    def test_copies_of_a_received_message_are_ordinary_and_whole(self):
+        sent = cloud_of(10000)
+        self.publisher.publish(sent)
+        received = next(self.messages)
+        for made in (copy.copy(received), copy.deepcopy(received), copy.deepcopy([received])[0],
+                     pickle.loads(pickle.dumps(received)), pickle.loads(pickle.dumps(received, 0))):
+            self.assertIs(type(made), PointCloud)
+            self.assertEqual(made, sent)
+            made.timestamp.seconds = 1
+        self.assertEqual(received, sent)
+
+    def test_methods_of_a_received_message_know_its_large_field(self):
+        sent = cloud_of(3)
+        self.publisher.publish(sent)
+        received = next(self.messages)
+        self.assertEqual([field.name for field, _ in received.ListFields()], [field.name for field, _ in sent.ListFields()])
+        self.assertEqual(received.SerializePartialToString(), sent.SerializeToString())
+        self.assertEqual(received.SerializeToString(deterministic=True), sent.SerializeToString(deterministic=True))
+        self.assertTrue(received.IsInitialized())
+        self.assertEqual((received.HasField("timestamp"), received.HasField("pose")), (False, False))
+        with self.assertRaises(ValueError):
+            received.HasField("data")  # As of every message: a field of proto3 without presence.
 
     def test_received_message_is_published_again_without_a_copy(self):
         self.publisher.publish(cloud_of(10000))

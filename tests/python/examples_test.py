@@ -31,6 +31,15 @@ class Examples(RobotTest):
             out, err, code = self.finish(program)
             self.assertEqual((out, err, code), ("", "", 0))
 
+    def test_first_example_of_the_page_works_as_typed(self):
+        code = (ROOT / "docs" / "python.md").read_text().split("```python\n")[1].split("```")[0]
+        process = self.python(code)
+        self.assertEqual([process.stdout.readline() for _ in range(2)],
+                         [f"Scan {number}: the nearest point is 1.5 m away.\n" for number in (1, 2)])
+        process.send_signal(signal.SIGINT)
+        _, err, exit_code = self.finish(process)
+        self.assertEqual(exit_code, -signal.SIGINT, err)
+
     def test_page_shows_the_examples_as_they_are(self):
         page = (ROOT / "docs" / "python.md").read_text()
         for name in ("lidar.py", "height_image.py"):

@@ -138,6 +138,130 @@ class Processes(RobotTest):
         self.assertEqual(lines[1:], ["5", "alive"])
         self.assertEqual(err, "")
 
+    def test_every_use_in_a_forked_child_says_that_the_session_is_the_parents(self):
+        out, err, code = self.run_to_end(
+            "import asyncio, gc\n"
+            "import numpy as np\n"
+            "from foxglove.PointCloud_pb2 import PointCloud\n"
+            "robot = hgros.Session()\n"
+            "publisher = robot.advertise('log', Log)\n"
+            "messages = robot.messages('log', timeout=5)\n"
+            "subscription = robot.subscribe('log', Log, lambda message, info: None)\n"
+            "service = robot.serve('add', Log, Log, lambda request: Log())\n"
+            "call = robot.call('add', Log(), Log)\n"
+            "timer, rate = robot.timer(1, lambda tick: None), robot.rate(1)\n"
+            "params, transforms = robot.params, robot.transforms\n"
+            "loan = robot.loan('points', PointCloud, 10)\n"
+            "uses = dict(\n"
+            "    name=lambda: robot.name, id=lambda: robot.id, now_ns=lambda: robot.now_ns,\n"
+            "    advertise=lambda: robot.advertise('a', Log), publish=lambda: publisher.publish(Log()),\n"
+            "    publish_and_wait=lambda: publisher.publish(Log(), timeout=1), loan=lambda: robot.loan('b', PointCloud, 10),\n"
+            "    another_loan=lambda: robot.loan('points', PointCloud, 10), publish_loan=lambda: loan.__exit__(None, None, None),\n"
+            "    subscribe=lambda: robot.subscribe('log', callback=lambda message, info: None),\n"
+            "    received=lambda: subscription.received, dropped=lambda: messages.dropped,\n"
+            "    messages=lambda: robot.messages('log'), next=lambda: next(messages), loop=lambda: list(messages),\n"
+            "    asyncio=lambda: asyncio.run(messages.__anext__()),\n"
+            "    wait_for_subscribers=lambda: robot.wait_for_subscribers('log'),\n"
+            "    wait_for_publishers=lambda: robot.wait_for_publishers('log'),\n"
+            "    serve=lambda: robot.serve('b', Log, Log, lambda request: Log()), call=lambda: robot.call('add', Log()),\n"
+            "    result=call.result, done=call.done, cancel=call.cancel,\n"
+            "    timer=lambda: robot.timer(1, lambda tick: None), rate=lambda: robot.rate(1), rate_sleep=rate.sleep,\n"
+            "    rate_loop=lambda: list(rate), sleep=lambda: robot.sleep(1),\n"
+            "    params=lambda: robot.params, param=lambda: params['a'], has=lambda: 'a' in params,\n"
+            "    declare=lambda: params.declare('a', 1), set=lambda: params.set('a', 1), save=params.save,\n"
+            "    on_change=lambda: params.on_change('a')(lambda paths: None),\n"
+            "    transforms=lambda: robot.transforms, lookup=lambda: transforms.lookup('a', 'b', timeout=1),\n"
+            "    send=lambda: transforms.send_static('a', 'b', np.eye(4)), flush=transforms.flush,\n"
+            "    snapshot=robot.snapshot, channels=robot.channels, spin=robot.spin, spin_once=robot.spin_once,\n"
+            "    start=robot.start, stop=robot.stop, spin_async=lambda: asyncio.run(robot.spin_async()))\n"
+            "robot._lock.acquire()\n"
+            "child = os.fork()\n"
+            "if child == 0:\n"
+            "    robot._lock = threading.RLock()\n"
+            "    threading.Thread(target=robot._lock.acquire).start()  # As by a thread that only the parent has.\n"
+            "    for name, use in uses.items():\n"
+            "        try: use()\n"
+            "        except hgros.Error as error: told = 'was forked' in str(error)\n"
+            "        else: told = False\n"
+            "        if not told: print(name, flush=True)\n"
+            "    subscription.end(), service.end(), timer.end(), rate.close(), messages.close(), robot.close()\n"
+            "    assert robot.closed\n"
+            "    sys.exit(5)\n"
+            "robot._lock.release()\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n"
+            "publisher.publish(Log(message='alive'))\n"
+            "print(next(messages).message)\n")
+        self.assertEqual((out, err, code), ("5\nalive\n", "", 0))
+
+    def test_forked_child_does_not_give_back_memory_that_its_parent_keeps(self):
+        out, err, code = self.run_to_end(
+            "import gc\n"
+            "from foxglove.PointCloud_pb2 import PointCloud\n"
+            "robot, other = hgros.Session(), hgros.Session()\n"
+            "messages = other.messages('points', timeout=15, queue=hgros.KeepAll(4))\n"
+            "publisher = robot.advertise('points', PointCloud)\n"
+            "assert robot.wait_for_subscribers('points', timeout=15)\n"
+            "def receive(value):\n"
+            "    publisher.publish(PointCloud(data=bytes([value]) * 100_000))\n"
+            "    return next(messages)\n"
+            "kept = receive(1)\n"
+            "child = os.fork()\n"
+            "if child == 0:\n"
+            "    assert hgros.leases() == (0, 0)\n"
+            "    del kept, messages, publisher, robot, other\n"
+            "    gc.collect()\n"
+            "    sys.exit(0)\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), hgros.leases()[0], flush=True)\n"
+            "for value in range(2, 30): receive(value)\n"
+            "print(set(kept.data))\n")
+        self.assertEqual((out, err, code), ("0 1\n{1}\n", "", 0))
+
+    def test_forked_child_ends_and_drops_what_threads_of_its_parent_use(self):
+        out, err, code = self.run_to_end(
+            "import gc\n"
+            "robot = hgros.Session()\n"
+            "publisher = robot.advertise('log', Log)\n"
+            "messages = robot.messages('log', queue=hgros.KeepAll(1))\n"
+            "subscription = robot.subscribe('log', Log, lambda message, info: None, queue=hgros.KeepAll(1))\n"
+            "try:\n"
+            "    while True: publisher.publish(Log(), timeout=0.05)\n"
+            "except hgros.QueueFull: pass  # Two threads wait for room in an inbox.\n"
+            "child = os.fork()\n"
+            "if child == 0:\n"
+            "    subscription.end(), messages.close()\n"
+            "    del publisher, messages, subscription, robot\n"
+            "    gc.collect()\n"
+            "    print('dropped', flush=True)\n"
+            "    os._exit(0)\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n")
+        self.assertEqual((out, err, code), ("dropped\n0\n", "", 0))
+
+    def test_forked_child_drops_what_threads_of_its_parent_use_all_the_time(self):
+        out, err, code = self.run_to_end(
+            "import gc\n"
+            "robot = hgros.Session()\n"
+            "publisher = robot.advertise('log', Log)\n"
+            "messages = robot.messages('log', queue=hgros.KeepAll(8))\n"
+            "subscription = robot.subscribe('log', Log, lambda message, info: None, queue=hgros.KeepAll(8))\n"
+            "robot.start()\n"
+            "done = threading.Event()\n"
+            "def publish():\n"
+            "    while not done.is_set():\n"
+            "        try: publisher.publish(Log(), timeout=0.01)\n"
+            "        except hgros.QueueFull: pass\n"
+            "threading.Thread(target=publish).start()\n"
+            "for _ in range(100):\n"
+            "    next(messages)\n"
+            "    child = os.fork()\n"
+            "    if child == 0:\n"
+            "        del publisher, messages, subscription, robot\n"
+            "        gc.collect()\n"
+            "        os._exit(0)\n"
+            "    assert os.waitpid(child, 0)[1] == 0\n"
+            "done.set()\n"
+            "print('done')\n")
+        self.assertEqual((out, err, code), ("done\n", "", 0))
+
     def test_session_of_a_child_of_multiprocessing(self):
         for method in ("fork", "spawn"):
             folder = os.path.join(os.path.dirname(os.path.abspath(__file__)))

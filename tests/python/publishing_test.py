@@ -59,6 +59,12 @@ class Publishing(RobotTest):
         with self.assertRaisesRegex(hgros.Error, "The session is closed"):
             robot.advertise("log", Log)
 
+    def test_closed_session_still_has_its_name_and_id(self):
+        robot = self.session(name="robot")
+        before = robot.id
+        robot.close()
+        self.assertEqual((robot.name, robot.id), ("robot", before))
+
     def test_configuration_file_with_a_mistake_says_where(self):
         with self.assertRaisesRegex(hgros.ConfigError, "text:1:"):
             hgros.Session(text="netwrk: {}")

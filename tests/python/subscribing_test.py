@@ -6,6 +6,7 @@ import time
 from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
+from foxglove.LaserScan_pb2 import LaserScan
 from foxglove.Log_pb2 import Log
 
 
@@ -34,6 +35,26 @@ class Subscribing(RobotTest):
             pass
 
         self.assertEqual(on_log.__name__, "on_log")
+
+    def test_subscriptions_are_found_by_their_channel(self):
+        robot = self.session()
+
+        @robot.subscribe("log")
+        def on_log(message, info):
+            pass
+
+        again = robot.subscribe("log", callback=on_log)
+        other = robot.subscribe("other", callback=on_log)
+        robot.timer(1, lambda tick: None)
+        first, second = robot.subscriptions("log")
+        self.assertIs(first.callback, on_log)
+        self.assertIs(second, again)
+        self.assertEqual(robot.subscriptions(), [first, again, other])
+        self.assertEqual(robot.subscriptions("nothing"), [])
+        robot.advertise("log", Log).publish(Log())
+        self.spin_until(robot, lambda: first.run == 1)
+        first.end()
+        self.assertEqual(robot.subscriptions("log"), [again])
 
     def test_messages_come_in_order_to_callbacks_on_the_spinning_thread(self):
         robot = self.session()
@@ -242,6 +263,61 @@ class Subscribing(RobotTest):
         thread.start()
         thread.join(DEADLINE_S)
         self.assertFalse(thread.is_alive())
+
+    def test_spin_once_finds_messages_whose_key_an_interrupted_spin_had_taken(self):
+        robot = self.session()
+        heard = []
+        robot.subscribe("log", Log, lambda message, info: heard.append(message))
+        robot.advertise("log", Log).publish(Log())
+        self.assertTrue(robot._ready.take())  # Here a signal ends the spin.
+        self.assertTrue(robot.spin_once())
+        self.assertEqual(len(heard), 1)
+
+    def test_spin_once_tells_whether_a_callback_ran(self):
+        robot, other = self.session(), self.session()
+        subscription = robot.subscribe("log", LaserScan, lambda message, info: None)
+        robot.params.on_change("a")(lambda paths: None)
+        self.assertFalse(robot.spin_once())
+        log = other.advertise("log", Log)
+        self.assertTrue(other.wait_for_subscribers("log", timeout=DEADLINE_S))
+        log.publish(Log())
+        wait_until(lambda: subscription.received == 1)
+        with self.assertLogs("hgros", logging.ERROR):
+            self.assertFalse(robot.spin_once(0.01))  # A message of another type: no callback.
+        robot.params["a"] = 1
+        self.assertTrue(robot.spin_once())
+
+    def test_spin_once_waits_for_a_callback_until_its_deadline(self):
+        robot, other = self.session(), self.session()
+        heard = []
+        robot.subscribe("log", LaserScan, lambda message, info: heard.append(message))
+        again = robot.subscribe("again", Log, lambda message, info: heard.append(message))
+        wrong, right = other.advertise("log", Log), other.advertise("again", Log)
+        self.assertTrue(other.wait_for_subscribers("log", timeout=DEADLINE_S))
+        self.assertTrue(other.wait_for_subscribers("again", timeout=DEADLINE_S))
+
+        def publish():
+            wait_until(robot._spins.locked)
+            wrong.publish(Log())
+            wait_until(lambda: robot.subscriptions("log")[0].not_decoded == 1)
+            right.publish(Log())
+
+        thread = threading.Thread(target=publish)
+        thread.start()
+        with self.assertLogs("hgros", logging.ERROR):
+            self.assertTrue(robot.spin_once(DEADLINE_S))
+        thread.join()
+        self.assertEqual((len(heard), again.run), (1, 1))
+
+    def test_stop_ends_spin_once(self):
+        robot = self.session()
+        found = []
+        thread = threading.Thread(target=lambda: found.append(robot.spin_once(1000)), daemon=True)
+        thread.start()
+        wait_until(robot._spins.locked)
+        robot.stop()
+        thread.join(DEADLINE_S)
+        self.assertEqual(found, [False])
 
     def test_stop_right_after_start_ends_the_thread(self):
         robot = self.session()

@@ -46,6 +46,29 @@ class Types(RobotTest):
         self.assertEqual(next(self.hear(mine, mine(width=1, force=2))).force, 2)
         self.assertEqual(next(self.hear(theirs, theirs(force=3))).force, 3)
 
+    def test_repeated_fields_and_maps_beside_a_large_field_are_copies(self):
+        file = descriptor_pb2.FileDescriptorProto(name="robot/tile.proto", package="robot", syntax="proto3")
+        tile = file.message_type.add(name="Tile")
+        tile.field.add(name="data", number=1, label=1, type=12)
+        tile.field.add(name="heights", number=2, label=3, type=1)
+        for number, value in enumerate(("weights", "parts"), 3):
+            entry = tile.nested_type.add(name=value.title() + "Entry", options=descriptor_pb2.MessageOptions(map_entry=True))
+            entry.field.add(name="key", number=1, label=1, type=9)
+            entry.field.add(name="value", number=2, label=1, **(
+                {"type": 1} if value == "weights" else {"type": 11, "type_name": ".robot.Tile"}))
+            tile.field.add(name=value, number=number, label=3, type=11, type_name=".robot.Tile." + entry.name)
+        pool = descriptor_pool.DescriptorPool()
+        pool.Add(file)
+        tile = message_factory.MessageFactory(pool).GetPrototype(pool.FindMessageTypeByName("robot.Tile"))
+        sent = tile(data=b"x" * 5000, heights=[1, 2], weights={"a": 3})
+        sent.parts["b"].heights.append(4)
+        heard = next(self.hear(tile, sent))
+        self.assertEqual((heard.heights, heard.weights), ((1, 2), {"a": 3}))
+        heard.parts["b"].heights.append(5)
+        heard.weights["a"] = 6
+        self.assertEqual((list(heard.parts["b"].heights), heard.weights["a"], list(heard.parts)), ([4], 3, ["b"]))
+        self.assertEqual(hgros.message(heard).SerializeToString(), sent.SerializeToString())
+
     def test_schema_that_grew_is_read(self):
         old, new = own_type(fields=("width",)), own_type(fields=("width", "force"))
         self.assertEqual(next(self.hear(old, old(width=2), new)).width, 2)

@@ -6,6 +6,7 @@ import weakref
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
+from google.protobuf.descriptor import FieldDescriptor
 from google.protobuf.message import DecodeError, Message
 
 from . import _hgros
@@ -32,11 +33,31 @@ def _warn_about_leases() -> None:
                    "numpy.array(hgros.points(cloud)).", count, size >> 20)
 
 
+_CHANGING = frozenset(("Clear", "ClearExtension", "ClearField", "CopyFrom", "DiscardUnknownFields", "MergeFrom",
+                       "MergeFromString", "ParseFromString", "SetInParent", "__setstate__"))
+# They need the large field, too.
+_OF_WHOLE = frozenset(("FindInitializationErrors", "IsInitialized", "ListFields"))
+
+
+def _parse(message_type: type[M], wire: bytes | _hgros.Wire) -> M:
+    return message_type.FromString(cast(bytes, wire))
+
+
+def _copied(part: Any) -> Any:
+    """Of a value of a field: nothing that changes it changes the message."""
+    if not isinstance(part, Message):
+        return part
+    made = type(part)()
+    made.CopyFrom(part)
+    return made
+
+
 class BulkMessage:
     """A received message that has one large field: looks like the class of the message and is read-only.
 
     The large field is a memoryview of the memory in which the message arrived. That memory is kept while the message, a
-    view or an array of it is kept. `hgros.message()` makes an ordinary message of it, with a copy.
+    view or an array of it is kept. `hgros.message()` makes an ordinary message of it, with a copy; so do copy, deepcopy
+    and pickle. Its submessages are copies, its repeated fields tuples, and its maps dicts.
     """
 
     __slots__ = ("_data", "_head", "_name", "_number", "_type", "_wire")
@@ -65,10 +86,37 @@ class BulkMessage:
         raise AttributeError("A received message keeps its class.")
 
     def __getattr__(self, name: str) -> Any:
-        return self._data if name == self._name else getattr(self._head, name)
+        if name == self._name:
+            return self._data
+        field = self._type.DESCRIPTOR.fields_by_name.get(name)
+        if field is None:
+            if name in _CHANGING:
+                raise AttributeError(f"A received message is read-only. Call {name} of hgros.message(...), which is a copy.")
+            return getattr(message(self) if name in _OF_WHOLE else self._head, name)
+        value = getattr(self._head, name)
+        if field.label != FieldDescriptor.LABEL_REPEATED:
+            return _copied(value)
+        if field.message_type is not None and field.message_type.GetOptions().map_entry:
+            return {key: _copied(one) for key, one in value.items()}
+        return tuple(map(_copied, value))
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"A received message is read-only. Set {name} in hgros.message(...), which is a copy.")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError("A received message is read-only.")
+
+    def __copy__(self) -> Any:
+        return message(self)
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return message(self)
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        return _parse, (self._type, bytes(self._wire))
+
+    def __reduce__(self) -> Any:
+        return self.__reduce_ex__(2)
 
     def __eq__(self, other: object) -> bool:
         return bool(message(self) == message(other))
@@ -81,11 +129,13 @@ class BulkMessage:
     def ByteSize(self) -> int:
         return len(self._wire)
 
-    def SerializeToString(self) -> bytes:
-        return bytes(self._wire)
+    def SerializeToString(self, *, deterministic: bool = False) -> bytes:
+        return cast(bytes, message(self).SerializeToString(deterministic=True)) if deterministic else bytes(self._wire)
 
-    def ListFields(self) -> Any:
-        return message(self).ListFields()
+    SerializePartialToString = SerializeToString
+
+    def HasField(self, name: str) -> bool:
+        return cast(bool, (message(self) if name == self._name else self._head).HasField(name))
 
 
 class LoanedMessage(Generic[M]):
@@ -139,7 +189,7 @@ def message(received: Any) -> Any:
     """An ordinary protobuf message of a received one: a copy if that is still where it arrived."""
     if type(received) is not BulkMessage:
         return received
-    return received._type.FromString(received._wire)
+    return _parse(received._type, received._wire)
 
 
 def data(bulk: Any) -> memoryview:
@@ -170,11 +220,12 @@ def points(cloud: Any) -> np.ndarray[Any, Any]:
     """
     import numpy as np
 
-    stride = cloud.point_stride
+    described = cloud._head if type(cloud) is BulkMessage else cloud  # Without copies.
+    stride = described.point_stride
     names: list[str] = []
     formats: list[str] = []
     offsets: list[int] = []
-    for field in cloud.fields:
+    for field in described.fields:
         known = _FORMATS[field.type] if 0 <= field.type < len(_FORMATS) else None
         if known is None:
             raise Error(f'Field "{field.name}" of the cloud has the unknown type {field.type}.')

@@ -1,9 +1,43 @@
-"""What a function must be to be called with what comes."""
+"""Functions of the program that are called with what comes."""
 
 from __future__ import annotations
 
+import abc
 import inspect
-from typing import Any
+from typing import Any, Callable, Protocol
+
+
+class _Ends(Protocol):
+    def end(self) -> None: ...
+
+
+class Handler(abc.ABC):
+    """What calls a function; the base of subscriptions, services and timers.
+
+    `run` counts the calls, and `failed` those that raised an exception.
+    """
+
+    def __init__(self, raw: _Ends, callback: Callable[..., Any], end: Callable[[], None]) -> None:
+        self.callback = callback
+        self.run = 0
+        self.failed = 0
+        self._raw: Any = raw
+        self._end = end
+
+    @property
+    def active(self) -> bool:
+        return self._raw is not None
+
+    def end(self) -> None:
+        """No call begins any more. Does nothing if it has ended."""
+        raw, self._raw = self._raw, None
+        if raw is not None:
+            self._end()
+            raw.end()
+
+    @abc.abstractmethod
+    def handle_some(self) -> bool:
+        """Calls the function with some of what waits. Returns whether more is left."""
 
 
 def check_callback(callback: Any, arguments: int, owner: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable, Sequence, TypeVar
 
 from . import _hgros
-from .callbacks import check_callback
+from .callbacks import Handler, check_callback
 from .errors import Error
 from .log_relay import logger
 
@@ -21,20 +21,17 @@ class ParamError(Error):
     """A change of parameters that was refused; nothing has changed."""
 
 
-class _Watch:
+class _Watch(Handler):
     def __init__(self, inbox: _hgros.Inbox, path: str, callback: Changed) -> None:
-        self.failed = 0
+        super().__init__(inbox, callback, lambda: None)
         self._inbox = inbox
         self._path = path
-        self._callback = callback
-
-    def end(self) -> None:
-        self._inbox.close()
 
     def handle_some(self) -> bool:
         for paths in self._inbox.take(16):
+            self.run += 1
             try:
-                self._callback(paths)
+                self.callback(paths)
             except Exception:
                 self.failed += 1
                 logger.exception('A callback of parameter "%s" raised an exception.', self._path)

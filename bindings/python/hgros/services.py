@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Generator, Generic, TypeVar
+from typing import Any, Callable, Generator, Generic, TypeVar
 
 from google.protobuf.message import DecodeError, Message
 
 from . import _hgros
+from .callbacks import Handler
 from .errors import Error
 from .log_relay import logger
 from .message_types import decoder, schema_of
-from .stream import wake
-
-if TYPE_CHECKING:
-    import asyncio
+from .stream import until_woken
 
 R = TypeVar("R")
 
@@ -67,19 +65,12 @@ class Call(Generic[R]):
         return self._awaited().__await__()
 
     async def _awaited(self) -> R:
-        import asyncio
-
-        loop = asyncio.get_running_loop()
         while not self._end():
-            woken: asyncio.Future[None] = loop.create_future()
-            loop.add_reader(self._ready.fileno(), wake, woken)
-            try:
-                await woken
-            finally:
-                loop.remove_reader(self._ready.fileno())
+            await until_woken(self._ready)
         return self._value()
 
     def _end(self) -> bool:
+        self._ticket.refuse_in_child()
         with self._lock:
             if not self._ended and (taken := self._inbox.take(1)):
                 wire, schema, kind, reason = taken[0]
@@ -101,34 +92,26 @@ class Call(Generic[R]):
         return value
 
 
-class Service:
-    """Offers a service; made by `Session.serve`. `failed` counts handlers that raised an exception."""
+class Service(Handler):
+    """Offers a service; made by `Session.serve`. `failed` counts handlers that raised an exception.
+
+    At its end, requests that wait fail.
+    """
 
     def __init__(self, raw: _hgros.Service, inbox: _hgros.Inbox, name: str, request_type: type[Message],
                  reply_type: type[Message], handler: Callable[[Any], Message], end: Callable[[], None]) -> None:
+        super().__init__(raw, handler, end)
         self.name = name
-        self.handler = handler
-        self.run = 0
-        self.failed = 0
-        self._raw: _hgros.Service | None = raw
         self._inbox = inbox
         self._request_type = request_type
         self._reply_type = reply_type
-        self._end = end
-
-    def end(self) -> None:
-        """Ends the service. Requests that wait fail."""
-        raw, self._raw = self._raw, None
-        if raw is not None:
-            self._end()
-            raw.end()
 
     def handle_some(self) -> bool:
         for wire, schema, answer in self._inbox.take(1):
             self.run += 1
             try:
                 request = decoder(schema, self._request_type, self.name)(wire)
-                reply = self.handler(request)
+                reply = self.callback(request)
                 if type(reply) is not self._reply_type:
                     raise TypeError(f'The handler of service "{self.name}" must return '
                                     f"{self._reply_type.DESCRIPTOR.full_name}, not {type(reply).__name__}.")

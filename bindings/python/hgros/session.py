@@ -8,15 +8,16 @@ import os
 import pathlib
 import sys
 import threading
+import time
 import weakref
 from types import TracebackType
-from typing import Any, Callable, Iterable, Protocol, TypeVar, overload
+from typing import Any, Callable, Iterable, TypeVar, overload
 
 from google.protobuf.message import Message
 
 from . import _hgros
 from .bulk import LoanedMessage
-from .callbacks import check_callback
+from .callbacks import Handler, check_callback
 from .errors import Error
 from .log_relay import LogRelay, logger
 from .message_types import schema_of
@@ -43,11 +44,6 @@ _LONGEST_CALLBACK_AT_EXIT_S = 5.0
 _relay: LogRelay | None = None
 _sessions: weakref.WeakSet[Session] = weakref.WeakSet()
 _setup = threading.Lock()
-
-
-class _Handler(Protocol):
-    def handle_some(self) -> bool: ...
-    def end(self) -> None: ...
 
 
 def _log_inbox() -> _hgros.Inbox:
@@ -79,8 +75,9 @@ class Session:
             raise ValueError("Give a file or a text, not both.")
         self._native = _hgros.Session(None if file is None else os.fspath(file), text, list(sections),
                                       _program() if name is None else name, _log_inbox())
+        self._id, self._name = self._native.id, self._native.name
         self._ready = _hgros.ReadyList()
-        self._handlers: dict[int, _Handler] = {}
+        self._handlers: dict[int, Handler] = {}
         self._streams: weakref.WeakSet[Messages[Any] | Rate] = weakref.WeakSet()
         self._file = None if file is None else os.fspath(file)
         self._params: Parameters | None = None
@@ -96,7 +93,6 @@ class Session:
         self._closes = threading.RLock()
         self._closing = False
         self._closed = False
-        self._forked = False
         with _setup:
             _sessions.add(self)
 
@@ -104,22 +100,24 @@ class Session:
 
     @property
     def id(self) -> str:
-        return self._native.id
+        self._use()
+        return self._id
 
     @property
     def name(self) -> str:
-        return self._native.name
+        self._use()
+        return self._name
 
     @property
     def closed(self) -> bool:
-        return self._closing or self._forked
+        return self._closing or self._native.of_parent
 
     def close(self) -> None:
         """Ends the session: no callback begins any more, and what was published is sent. May be called in a callback."""
         self._close(None)
 
     def _close(self, longest_wait_s: float | None) -> None:
-        if self._forked:
+        if self._native.of_parent:
             return
         self._closing = True
         self._ready.wake()
@@ -160,13 +158,12 @@ class Session:
         self.close()
 
     def __del__(self) -> None:
-        if hasattr(self, "_forked"):
+        if hasattr(self, "_closed"):
             self.close()
 
     def _use(self) -> _hgros.Session:
-        if self._forked:
-            raise Error("The session belongs to the process that made it, and this one was forked from that. Make the "
-                        "session after the fork.")
+        # First in each function: in a forked child, locks may never be released.
+        self._native.refuse_in_child()
         return self._native
 
     # Parameters, transforms, counters.
@@ -174,17 +171,19 @@ class Session:
     @property
     def params(self) -> Parameters:
         """The parameters of the program."""
+        native = self._use()
         with self._lock:
             if self._params is None:
-                self._params = Parameters(self, _hgros.Params(self._use(), self._file))
+                self._params = Parameters(self, _hgros.Params(native, self._file))
             return self._params
 
     @property
     def transforms(self) -> Transforms:
         """The transforms of all sessions."""
+        native = self._use()
         with self._lock:
             if self._transforms is None:
-                self._transforms = Transforms(_hgros.Transforms(self._use()))
+                self._transforms = Transforms(_hgros.Transforms(native))
             return self._transforms
 
     def snapshot(self) -> SessionSnapshot:
@@ -245,8 +244,9 @@ class Session:
                   queue: Queue = KeepLast(), name: str = "") -> Any:
         """Calls `callback(message, info)` with every message of a channel.
 
-        Without a type, the type comes with the channel. As a decorator it returns the function. An exception of the
-        callback is logged with its traceback and counted; the next message is handled.
+        Without a type, the type comes with the channel. As a decorator it returns the function, and `subscriptions` has
+        the subscription. An exception of the callback is logged with its traceback and counted; the next message is
+        handled.
         """
         if message_type is not None:
             if not isinstance(message_type, type) and callable(message_type):
@@ -260,6 +260,12 @@ class Session:
             return decorate
         return self._subscribe(channel, message_type, callback, queue, name)
 
+    def subscriptions(self, channel: str | None = None) -> list[Subscription]:
+        """The subscriptions with callbacks that have not ended, of one channel or of all, the oldest first."""
+        self._use()
+        return [one for one in list(self._handlers.values())
+                if isinstance(one, Subscription) and channel in (None, one.channel)]
+
     def _subscribe(self, channel: str, wanted: type[Message] | None, callback: AnyCallback, queue: Queue,
                    name: str) -> Subscription:
         check_callback(callback, 2, f'channel "{channel}"')
@@ -269,13 +275,18 @@ class Session:
         self._add(key, subscription)
         return subscription
 
-    def _new_inbox(self) -> tuple[int, _hgros.Inbox]:
+    def _new_key(self) -> int:
+        self._use()
         with self._lock:
             key = self._next_key
             self._next_key += 1
+        return key
+
+    def _new_inbox(self) -> tuple[int, _hgros.Inbox]:
+        key = self._new_key()
         return key, _hgros.Inbox(self._ready, key)
 
-    def _add(self, key: int, handler: _Handler) -> None:
+    def _add(self, key: int, handler: Handler) -> None:
         self._handlers[key] = handler
         self._ready.add(key)  # Something may have come before there was a handler.
 
@@ -304,9 +315,8 @@ class Session:
         ready = _hgros.ReadyList()
         inbox = _hgros.Inbox(ready, 0)
         raw = self._open(channel, message_type, inbox, queue, name)
-        streams = self._streams
-        stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout, lambda: None)
-        streams.add(stream)
+        stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout)
+        self._streams.add(stream)
         return stream
 
     # Services.
@@ -378,18 +388,17 @@ class Session:
         key, inbox = self._new_inbox()
         inbox.keep_last(1)
         name = name or f"python{key}"
-        raw = _hgros.create_timer(self._use(), name, period_ns(period), False, inbox)
+        raw = _hgros.create_timer(self._use(), name, period_ns(period), inbox)
         timer = Timer(raw, inbox, name, callback, lambda: self._forget(key))
         self._add(key, timer)
         return timer
 
     def rate(self, period: float) -> Rate:
         """For a loop that runs every `period` seconds of the session's clock: `for tick in robot.rate(0.1)`."""
-        key, _ = self._new_inbox()
         ready = _hgros.ReadyList()
         inbox = _hgros.Inbox(ready, 0)
         inbox.keep_last(1)
-        rate = Rate(_hgros.create_timer(self._use(), f"python{key}", period_ns(period), False, inbox), inbox, ready)
+        rate = Rate(_hgros.create_timer(self._use(), f"python{self._new_key()}", period_ns(period), inbox), inbox, ready)
         self._streams.add(rate)
         return rate
 
@@ -419,14 +428,22 @@ class Session:
                 self._ready.relax()
 
     def spin_once(self, timeout: float = 0.0) -> bool:
-        """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether there were any."""
-        with self._Spinning(self):
-            keys = self._ready.wait(max(timeout, 0.0))
-            self._handle(keys)
-            return bool(keys)
+        """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether any callback ran.
+
+        `stop` and `close` end the wait.
+        """
+        with self._Spinning(self) as stops:
+            deadline = time.monotonic() + max(timeout, 0.0)
+            self._ring_all()
+            while True:
+                if self._handle(self._ready.wait(max(deadline - time.monotonic(), 0.0))):
+                    return True
+                if self.closed or self._stops != stops or time.monotonic() >= deadline:
+                    return False
 
     def start(self) -> None:
         """Runs callbacks on a thread of their own until `stop` or `close`; for notebooks and interactive use."""
+        self._use()
         with self._lock:
             if self._thread is not None and self._thread.is_alive():
                 return
@@ -439,6 +456,7 @@ class Session:
 
         Waits for the thread of `start`, except in its callbacks.
         """
+        self._use()
         with self._lock:
             self._stops += 1
             thread = self._thread
@@ -471,11 +489,12 @@ class Session:
 
         def __enter__(self) -> int:
             self._session._use()
+            stops = self._session._stops  # A stop() from here on ends the spin.
             if not self._session._spins.acquire(blocking=False):
                 raise Error("The session spins already. Only one of spin, spin_once, start and spin_async runs at a "
                             "time, and not inside a callback.")
             self._session._spinner = threading.get_ident()
-            return self._session._stops
+            return stops
 
         def __exit__(self, *error: Any) -> None:
             self._session._spinner = None
@@ -486,10 +505,12 @@ class Session:
         for key in list(self._handlers):
             self._ready.add(key)
 
-    def _handle(self, keys: list[int]) -> None:
+    def _handle(self, keys: list[int]) -> int:
+        # Returns how many callbacks ran.
         keys.reverse()
         key = -1
         more = False
+        ran = 0
         try:
             while keys and not self.closed:
                 key = keys.pop()
@@ -497,7 +518,9 @@ class Session:
                 if handler is None:
                     continue
                 more = True
+                before = handler.run
                 more = handler.handle_some()
+                ran += handler.run - before
                 if more:
                     self._ready.add(key)
                     more = False
@@ -507,6 +530,7 @@ class Session:
                 keys.append(key)
             for left in reversed(keys):
                 self._ready.add(left)
+        return ran
 
     def __repr__(self) -> str:
         return f"<hgros.Session {'closed' if self.closed else self.name}>"
@@ -526,24 +550,9 @@ def _close_all() -> None:
 
 
 def _after_fork_in_child() -> None:
-    # The threads of sessions are in the parent. Nothing of them is used or destroyed here.
-    global _relay, _setup
-    _setup = threading.Lock()
-    for session in list(_sessions):
-        session._forked = True
-        _hgros.leave_to_parent(session)
-        _hgros.leave_to_parent(session._native)
-        if session._params is not None:
-            _hgros.leave_to_parent(session._params._raw)
-        if session._transforms is not None:
-            _hgros.leave_to_parent(session._transforms._raw)
-        for stream in list(session._streams):
-            _hgros.leave_to_parent(stream)
-            stream._raw = None
-    _sessions.clear()
-    if _relay is not None:
-        _hgros.leave_to_parent(_relay)
-        _relay = None
+    # The parent's sessions and their parts know by themselves that they are not used or destroyed here.
+    global _relay, _sessions, _setup
+    _relay, _sessions, _setup = None, weakref.WeakSet(), threading.Lock()
 
 
 atexit.register(_close_all)

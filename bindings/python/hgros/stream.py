@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Callable, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import _hgros
 from .subscription import Reader
@@ -14,9 +14,21 @@ if TYPE_CHECKING:
 M = TypeVar("M")
 
 
-def wake(woken: asyncio.Future[None]) -> None:
-    """Ends a wait in an event loop; it may have ended meanwhile."""
-    if not woken.done():
+async def until_woken(ready: _hgros.ReadyList) -> None:
+    """Waits in the running event loop until there is something to take."""
+    import asyncio
+
+    loop = asyncio.get_running_loop()
+    woken: asyncio.Future[None] = loop.create_future()
+    loop.add_reader(ready.fileno(), _wake, woken)
+    try:
+        await woken
+    finally:
+        loop.remove_reader(ready.fileno())
+
+
+def _wake(woken: asyncio.Future[None]) -> None:
+    if not woken.done():  # It may have ended meanwhile.
         woken.set_result(None)
 
 
@@ -27,16 +39,13 @@ class Messages(Generic[M]):
     `info` belongs to the last message. The subscription ends with close(), with a `with` block, or with the object.
     """
 
-    def __init__(self, raw: _hgros.Subscription, ready: _hgros.ReadyList, reader: Reader, timeout: float | None,
-                 end: Callable[[], None]) -> None:
+    def __init__(self, raw: _hgros.Subscription, ready: _hgros.ReadyList, reader: Reader, timeout: float | None) -> None:
         self.info: _hgros.MessageInfo | None = None
         self.timeout = timeout
         self._raw: _hgros.Subscription | None = raw
         self._ready = ready
         self._reader = reader
-        self._end = end
         self._dropped = 0
-        self._waiting: asyncio.Future[None] | None = None
 
     @property
     def channel(self) -> str:
@@ -80,21 +89,13 @@ class Messages(Generic[M]):
         while self._raw is not None:
             try:
                 left = None if deadline is None else max(0.0, deadline - loop.time())
-                await asyncio.wait_for(self._woken(loop), left)
+                await asyncio.wait_for(until_woken(self._ready), left)
             except asyncio.TimeoutError:
                 break
             self._ready.take()
             if (found := self._take()) is not None:
                 return found
         raise StopAsyncIteration
-
-    async def _woken(self, loop: asyncio.AbstractEventLoop) -> None:
-        woken: asyncio.Future[None] = loop.create_future()
-        loop.add_reader(self._ready.fileno(), wake, woken)
-        try:
-            await woken
-        finally:
-            loop.remove_reader(self._ready.fileno())
 
     def _take(self) -> M | None:
         if self._raw is None:
@@ -110,9 +111,8 @@ class Messages(Generic[M]):
     def close(self) -> None:
         """Ends the subscription, and iterations on other threads. Does nothing if it has ended."""
         raw, self._raw = self._raw, None
-        if raw is not None:
+        if raw is not None and not raw.of_parent:
             self._dropped = raw.dropped
-            self._end()
             raw.end()
             self._ready.wake()
 

@@ -7,6 +7,7 @@ from typing import Any, Callable
 from google.protobuf.message import DecodeError, Message
 
 from . import _hgros
+from .callbacks import Handler
 from .errors import Error
 from .log_relay import logger
 from .message_types import Decode, decoder
@@ -55,30 +56,24 @@ class Reader:
                     logger.exception('Messages on channel "%s" of type %s cannot be read.', self.channel, schema.type_name)
 
 
-class Subscription:
+class Subscription(Handler):
     """Calls a callback with the messages of a channel; made by `Session.subscribe`.
 
     `failed` counts callbacks that raised an exception, which is logged with its traceback. `not_decoded` counts messages
     that were not of the type, or no messages.
     """
 
+    _raw: _hgros.Subscription | None
+
     def __init__(self, raw: _hgros.Subscription, reader: Reader, callback: Callable[[Any, _hgros.MessageInfo], object],
                  end: Callable[[], None]) -> None:
-        self.callback = callback
-        self.run = 0
-        self.failed = 0
-        self._raw: _hgros.Subscription | None = raw
+        super().__init__(raw, callback, end)
         self._last = (raw.name, 0, 0)
         self._reader = reader
-        self._end = end
 
     @property
     def channel(self) -> str:
         return self._reader.channel
-
-    @property
-    def active(self) -> bool:
-        return self._raw is not None
 
     @property
     def name(self) -> str:
@@ -101,14 +96,11 @@ class Subscription:
 
     def end(self) -> None:
         """Ends the subscription. Does nothing if it has ended."""
-        raw, self._raw = self._raw, None
-        if raw is not None:
+        if (raw := self._raw) is not None and not raw.of_parent:
             self._last = (self._last[0], raw.received, raw.dropped)
-            self._end()
-            raw.end()
+        super().end()
 
     def handle_some(self) -> bool:
-        """Calls the callback with some of the messages that wait. Returns whether others are left."""
         reader, callback = self._reader, self.callback
         for _ in range(_AT_ONCE):
             if self._raw is None or (found := reader.next()) is None:

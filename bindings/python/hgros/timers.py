@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 from . import _hgros
+from .callbacks import Handler
 from .errors import Error
 from .log_relay import logger
 
@@ -26,36 +27,36 @@ def period_ns(period: float) -> int:
     return round(period * 1e9)
 
 
-class Timer:
+class _Turns:
+    """Takes turns out of an inbox. Those that were dropped in favor of a newer one are missed."""
+
+    def __init__(self, inbox: _hgros.Inbox) -> None:
+        self._inbox = inbox
+        self._dropped = 0
+
+    def next(self) -> Tick | None:
+        for planned, now, missed in self._inbox.take(1):
+            dropped = self._inbox.dropped
+            missed += dropped - self._dropped
+            self._dropped = dropped
+            return Tick(planned, now, missed)
+        return None
+
+
+class Timer(Handler):
     """Calls a function periodically; made by `Session.timer`. `failed` counts calls that raised an exception."""
 
     def __init__(self, raw: _hgros.Timer, inbox: _hgros.Inbox, name: str, callback: Callable[[Tick], object],
                  end: Callable[[], None]) -> None:
+        super().__init__(raw, callback, end)
         self.name = name
-        self.callback = callback
-        self.run = 0
-        self.failed = 0
-        self._dropped = 0
-        self._raw: _hgros.Timer | None = raw
-        self._inbox = inbox
-        self._end = end
-
-    def end(self) -> None:
-        """Ends the timer."""
-        raw, self._raw = self._raw, None
-        if raw is not None:
-            self._end()
-            raw.end()
+        self._turns = _Turns(inbox)
 
     def handle_some(self) -> bool:
-        for planned, now, missed in self._inbox.take(1):
-            # Turns that came while the callback ran.
-            dropped = self._inbox.dropped
-            missed += dropped - self._dropped
-            self._dropped = dropped
+        if (tick := self._turns.next()) is not None:
             self.run += 1
             try:
-                self.callback(Tick(planned, now, missed))
+                self.callback(tick)
             except Exception:
                 self.failed += 1
                 logger.exception('The callback of timer "%s" raised an exception.', self.name)
@@ -70,29 +71,29 @@ class Rate:
 
     def __init__(self, raw: _hgros.Timer, inbox: _hgros.Inbox, ready: _hgros.ReadyList) -> None:
         self._raw: _hgros.Timer | None = raw
-        self._inbox = inbox
+        self._turns = _Turns(inbox)
         self._ready = ready
-        self._dropped = 0
 
     def sleep(self) -> Tick:
         """Sleeps until the next turn; returns at once if that has passed. Raises Error if the session is closed."""
+        if (tick := self._turn()) is None:
+            raise Error("The rate has ended: its session is closed.")
+        return tick
+
+    def _turn(self) -> Tick | None:
         while self._raw is not None:
-            for planned, now, missed in self._inbox.take(1):
-                dropped = self._inbox.dropped
-                missed += dropped - self._dropped
-                self._dropped = dropped
-                return Tick(planned, now, missed)
+            if (tick := self._turns.next()) is not None:
+                return tick
             self._ready.wait(-1.0)
-        raise Error("The rate has ended: its session is closed.")
+        return None
 
     def __iter__(self) -> Rate:
         return self
 
     def __next__(self) -> Tick:
-        try:
-            return self.sleep()
-        except Error:
-            raise StopIteration from None
+        if (tick := self._turn()) is None:
+            raise StopIteration
+        return tick
 
     def close(self) -> None:
         """Ends the rate and a loop that uses it."""

@@ -10,6 +10,7 @@ void Answer::Reply(std::string data) { Set(reply_, std::move(data)); }
 void Answer::Fail(std::string reason) { Set(reason_, std::move(reason)); }
 
 void Answer::Set(std::optional<std::string>& part, std::string text) {
+  RefuseInChild();
   {
     const std::scoped_lock lock(mutex_);
     if (reply_ || reason_) return;

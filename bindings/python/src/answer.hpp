@@ -5,11 +5,13 @@
 #include <optional>
 #include <string>
 
+#include "of_process.hpp"
+
 namespace hgros::python {
 
 /// The reply to one request, for which a thread of the library waits. The first of Reply() and Fail() counts.
 /// Thread safety: all functions.
-class Answer {
+class Answer : public OfProcess {
  public:
   void Reply(std::string data);
   void Fail(std::string reason);

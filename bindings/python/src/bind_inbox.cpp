@@ -16,8 +16,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-
 // Up to here a copy costs less than keeping the memory in which the message arrived.
 constexpr std::size_t kCopiedBytes = 4096;
 
@@ -30,7 +28,7 @@ py::bytes AsPyBytes(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.d
 
 py::object WireOf(Payload data) {
   if (data.bytes.size() <= kCopiedBytes) return AsPyBytes(data.bytes);
-  return py::cast(std::make_unique<Wire>(std::move(data)));
+  return py::cast(MakeOwned<Wire>(std::move(data)));
 }
 
 py::object ToPython(LogLine& line) { return py::make_tuple(static_cast<int>(line.level), py::str(line.text)); }
@@ -117,7 +115,7 @@ void BindInfo(py::module_& module) {
 
 void BindInbox(py::module_& module) {
   BindInfo(module);
-  py::class_<Wire>(module, "Wire", py::buffer_protocol(), "The bytes of a message where they arrived.")
+  py::class_<Wire, Owned<Wire>>(module, "Wire", py::buffer_protocol(), "The bytes of a message where they arrived.")
       .def_buffer([](const Wire& wire) {
         const Bytes bytes = wire.data().bytes;
         return py::buffer_info(const_cast<std::byte*>(bytes.data()), 1, "B", 1,
@@ -152,11 +150,12 @@ void BindInbox(py::module_& module) {
       .def_static("relax", &ReadyList::Relax)
       .def("fileno", &ReadyList::descriptor);
   py::class_<Inbox, std::shared_ptr<Inbox>>(module, "Inbox", "A bounded queue from the library to Python.")
-      .def(py::init<std::shared_ptr<ReadyList>, int>(), py::arg("ready"), py::arg("key"))
+      .def(py::init([](const std::shared_ptr<ReadyList>& ready, int key) { return MakeShared<Inbox>(ready, key); }),
+           py::arg("ready"), py::arg("key"))
       .def("keep_last", [](Inbox& inbox, std::size_t depth) { inbox.SetQueue(Queue::KeepLast(depth)); })
       .def("take", &TakeFrom, py::arg("most"))
       .def("next", &NextOf)
-      .def("close", &Inbox::Close, py::call_guard<py::gil_scoped_release>())
+      .def("end", &Inbox::Close, Released())
       .def_property_readonly("dropped", &Inbox::dropped)
       .def_property_readonly("queued", &Inbox::queued);
 }

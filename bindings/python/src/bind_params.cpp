@@ -18,20 +18,21 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-using Released = py::call_guard<py::gil_scoped_release>;
-
 // The parameters of a session's program, which other sessions can read and set.
-class ParamsHandle {
+class ParamsHandle : public OfProcess {
  public:
   ParamsHandle(std::shared_ptr<Session> session, const std::optional<std::string>& file)
       : server_({.files = FilesOf(file), .overrides = ParamOverridesOfEnvironment()}),
         session_(std::move(session)),
         service_(std::in_place, *session_, server_) {}
 
-  [[nodiscard]] ParamServer& server() noexcept { return server_; }
+  /// Errors: throws Error in a forked child.
+  [[nodiscard]] ParamServer& server() {
+    RefuseInChild();
+    return server_;
+  }
   void Watch(const std::string& path, const std::shared_ptr<Inbox>& inbox) {
-    auto listening = server_.OnChange(path, [inbox](const ParamEvent& event) {
+    auto listening = server().OnChange(path, [inbox](const ParamEvent& event) {
       ParamsChanged changed;
       for (const auto& one : event.paths) changed.paths.push_back(one.ToString());
       inbox->Push(std::move(changed));
@@ -41,6 +42,7 @@ class ParamsHandle {
   }
   // The server stays: its values can still be read.
   void End() {
+    if (of_parent()) return;
     std::vector<Listening> ended;  // Destroyed after the lock.
     std::shared_ptr<Session> session;
     const std::scoped_lock lock(mutex_);
@@ -165,9 +167,9 @@ std::string Set(ParamsHandle& handle, const py::dict& values) {
 }  // namespace
 
 void BindParams(py::module_& module) {
-  py::class_<ParamsHandle>(module, "Params", "The parameters of a program.")
+  py::class_<ParamsHandle, Owned<ParamsHandle>>(module, "Params", "The parameters of a program.")
       .def(py::init([](const SessionHandle& session, const std::optional<std::string>& file) {
-             return std::make_unique<ParamsHandle>(session.Use(), file);
+             return MakeOwned<ParamsHandle>(session.Use(), file);
            }),
            Released(), py::arg("session"), py::arg("file"))
       .def("get",

@@ -16,7 +16,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
 using Clock = std::chrono::steady_clock;
 
 // Copying fewer bytes takes less time than letting another thread of Python run.
@@ -57,7 +56,7 @@ int PublishBytes(const PublisherHandle& publisher, const py::bytes& data, std::o
 }
 
 // Memory for the large field of a message, with room before it for the rest.
-class LoanedBytes {
+class LoanedBytes : public OfProcess {
  public:
   LoanedBytes(Block block, std::size_t size_bytes) : block_(std::move(block)), size_bytes_(size_bytes) {}
 
@@ -75,34 +74,41 @@ class LoanedBytes {
       const Bytes whole(data() - before.size(), before.size() + size_bytes_);
       status = PublishOrWait(publisher, Payload{whole, block_.payload().owner}, timeout_s);
     } else {
-      Block larger = publisher.Loan(before.size() + size_bytes_);
-      std::memcpy(larger.writable().data(), before.data(), before.size());
-      std::memcpy(larger.writable().data() + before.size(), data(), size_bytes_);
-      status = PublishOrWait(publisher, larger.payload(), timeout_s);
+      status = PublishOrWait(publisher, Larger(publisher, before).payload(), timeout_s);
     }
     published_ = status == PublishStatus::kOk;
     return status;
   }
 
  private:
+  // A copy, with more room before the bytes.
+  [[nodiscard]] Block Larger(const PublisherHandle& publisher, const std::string& before) {
+    const py::gil_scoped_release released;
+    Block larger = publisher.Loan(before.size() + size_bytes_);
+    std::memcpy(larger.writable().data(), before.data(), before.size());
+    std::memcpy(larger.writable().data() + before.size(), data(), size_bytes_);
+    return larger;
+  }
+
   Block block_;
   std::size_t size_bytes_;
   bool published_ = false;
 };
 
-std::unique_ptr<LoanedBytes> Loan(const PublisherHandle& publisher, std::size_t size_bytes) {
+Owned<LoanedBytes> Loan(const PublisherHandle& publisher, std::size_t size_bytes) {
   if (size_bytes > kMaxMessageBytes) {
     throw py::value_error("A loan has at most " + std::to_string(kMaxMessageBytes) + " bytes, not " +
                           std::to_string(size_bytes) + ".");
   }
   const py::gil_scoped_release released;
-  return std::make_unique<LoanedBytes>(publisher.Loan(kHeadroomBytes + size_bytes), size_bytes);
+  return MakeOwned<LoanedBytes>(publisher.Loan(kHeadroomBytes + size_bytes), size_bytes);
 }
 
 }  // namespace
 
 void BindPublisher(py::module_& module) {
-  py::class_<LoanedBytes>(module, "LoanedBytes", py::buffer_protocol(), "Bytes that receivers will read in place.")
+  py::class_<LoanedBytes, Owned<LoanedBytes>>(module, "LoanedBytes", py::buffer_protocol(),
+                                              "Bytes that receivers will read in place.")
       .def_buffer([](LoanedBytes& loan) {
         return py::buffer_info(loan.data(), 1, "B", 1, {static_cast<py::ssize_t>(loan.size())}, {1},
                                /*readonly=*/loan.published());
@@ -114,7 +120,7 @@ void BindPublisher(py::module_& module) {
             return static_cast<int>(loan.Publish(publisher, head, number, timeout));
           },
           py::arg("publisher"), py::arg("head"), py::arg("number"), py::arg("timeout"));
-  py::class_<PublisherHandle>(module, "Publisher", "Publishes bytes on one channel.")
+  py::class_<PublisherHandle, Owned<PublisherHandle>>(module, "Publisher", "Publishes bytes on one channel.")
       .def("publish", &PublishBytes, py::arg("data"), py::arg("timeout") = py::none())
       .def(
           "publish_wire",

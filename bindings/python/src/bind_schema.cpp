@@ -9,8 +9,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-
 std::shared_ptr<MessageSchema> Named(const std::string& type_name, const py::bytes& descriptor_set) {
   return std::make_shared<MessageSchema>(
       NamedSchema({type_name, Encoding::kProtobuf, 0, static_cast<std::string>(descriptor_set)}));

@@ -15,17 +15,28 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-using Released = py::call_guard<py::gil_scoped_release>;
+// Keeps a call that is under way.
+class TicketHandle : public OfProcess {
+ public:
+  explicit TicketHandle(CallTicket ticket) : ticket_(std::move(ticket)) {}
+  void Cancel() const {
+    RefuseInChild();
+    ticket_.Cancel();
+  }
+
+ private:
+  CallTicket ticket_;
+};
 
 // Keeps a timer that puts its turns into an inbox.
-class TimerHandle {
+class TimerHandle : public OfProcess {
  public:
   TimerHandle(NodeTimer timer, std::shared_ptr<Inbox> inbox) : inbox_(std::move(inbox)), timer_(std::move(timer)) {}
   TimerHandle(const TimerHandle&) = delete;
   TimerHandle& operator=(const TimerHandle&) = delete;
   ~TimerHandle() { End(); }
   void End() {
+    if (of_parent()) return;
     inbox_->Close();
     timer_.Reset();
   }
@@ -35,12 +46,12 @@ class TimerHandle {
   NodeTimer timer_;
 };
 
-CallTicket Call(const SessionHandle& handle, const std::string& name, const MessageSchema& request_schema,
-                const std::string& request, const MessageSchema* reply, double timeout_s,
-                const std::shared_ptr<Inbox>& inbox) {
+Owned<TicketHandle> Call(const SessionHandle& handle, const std::string& name, const MessageSchema& request_schema,
+                         const std::string& request, const MessageSchema* reply, double timeout_s,
+                         const std::shared_ptr<Inbox>& inbox) {
   constexpr double kLongestS = 1e9;
   const std::chrono::duration<double> timeout(timeout_s < kLongestS ? timeout_s : kLongestS);
-  return handle.Use()->CallRaw(
+  auto ticket = handle.Use()->CallRaw(
       name, request_schema, Payload{AsBytes(request), nullptr}, reply != nullptr ? *reply : MessageSchema{},
       std::chrono::duration_cast<std::chrono::nanoseconds>(timeout), [inbox](const CallResult<RawMessage>& result) {
         if (result) {
@@ -50,43 +61,45 @@ CallTicket Call(const SessionHandle& handle, const std::string& name, const Mess
           inbox->Push(CallEnded{{}, std::string(ToString(failure.kind)), failure.reason});
         }
       });
+  return MakeOwned<TicketHandle>(std::move(ticket));
 }
 
-std::unique_ptr<ServiceHandle> Serve(const SessionHandle& handle, const std::string& name, const MessageSchema& request,
-                                     const MessageSchema& reply, const std::shared_ptr<Inbox>& inbox) {
+Owned<ServiceHandle> Serve(const SessionHandle& handle, const std::string& name, const MessageSchema& request,
+                           const MessageSchema& reply, const std::shared_ptr<Inbox>& inbox) {
   auto desk = std::make_shared<RequestDesk>(inbox);
   NodeOptions options;
   options.executor = Executor::Dedicated();
   auto service = handle.Use()->ServeRaw(
       name, request, reply, [desk](const RawMessage& message) { return desk->Handle(message); }, Invoke::kSerial,
       options);
-  return std::make_unique<ServiceHandle>(std::move(service), desk);
+  return MakeOwned<ServiceHandle>(std::move(service), desk);
 }
 
-std::unique_ptr<TimerHandle> CreateTimer(const SessionHandle& handle, const std::string& name, std::int64_t period_ns,
-                                         bool catch_up, const std::shared_ptr<Inbox>& inbox) {
+Owned<TimerHandle> CreateTimer(const SessionHandle& handle, const std::string& name, std::int64_t period_ns,
+                               const std::shared_ptr<Inbox>& inbox) {
   NodeTimerOptions options;
-  options.missed = catch_up ? Missed::kCatchUp : Missed::kSkip;
   options.executor = Executor::Inline();
   auto timer = handle.Use()->CreateTimer(
       name, Duration(period_ns), [inbox](const Tick& tick) { inbox->Push(tick); }, options);
-  return std::make_unique<TimerHandle>(std::move(timer), inbox);
+  return MakeOwned<TimerHandle>(std::move(timer), inbox);
 }
 
 }  // namespace
 
 void BindServices(py::module_& module) {
-  py::class_<CallTicket>(module, "CallTicket", "A call that is under way.")
-      .def("cancel", &CallTicket::Cancel, Released())
-      .def_property_readonly("done", &CallTicket::done);
-  py::class_<ServiceHandle>(module, "Service", "Keeps a service.").def("end", &ServiceHandle::End, Released());
-  py::class_<TimerHandle>(module, "Timer", "Keeps a timer.").def("end", &TimerHandle::End, Released());
+  py::class_<TicketHandle, Owned<TicketHandle>>(module, "CallTicket", "A call that is under way.")
+      .def("cancel", &TicketHandle::Cancel, Released())
+      .def("refuse_in_child", &TicketHandle::RefuseInChild);
+  py::class_<ServiceHandle, Owned<ServiceHandle>>(module, "Service", "Keeps a service.")
+      .def("end", &ServiceHandle::End, Released());
+  py::class_<TimerHandle, Owned<TimerHandle>>(module, "Timer", "Keeps a timer.")
+      .def("end", &TimerHandle::End, Released());
   module.def("call", &Call, Released(), py::arg("session"), py::arg("name"), py::arg("request_schema"),
              py::arg("request"), py::arg("reply"), py::arg("timeout"), py::arg("inbox"));
   module.def("serve", &Serve, Released(), py::arg("session"), py::arg("name"), py::arg("request"), py::arg("reply"),
              py::arg("inbox"));
   module.def("create_timer", &CreateTimer, Released(), py::arg("session"), py::arg("name"), py::arg("period_ns"),
-             py::arg("catch_up"), py::arg("inbox"));
+             py::arg("inbox"));
 }
 
 }  // namespace hgros::python

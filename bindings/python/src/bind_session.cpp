@@ -13,8 +13,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-
 std::chrono::nanoseconds Nanoseconds(double seconds) {
   constexpr double kMost = 1e9;
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -36,8 +34,9 @@ Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes) {
 }
 
 void BindSubscription(py::module_& module) {
-  py::class_<SubscriptionHandle>(module, "Subscription", "Keeps a subscription.")
-      .def("end", &SubscriptionHandle::End, py::call_guard<py::gil_scoped_release>())
+  py::class_<SubscriptionHandle, Owned<SubscriptionHandle>>(module, "Subscription", "Keeps a subscription.")
+      .def("end", &SubscriptionHandle::End, Released())
+      .def_property_readonly("of_parent", [](const SubscriptionHandle& one) { return one.of_parent(); })
       .def_property_readonly("name", [](const SubscriptionHandle& one) { return one.subscription().name(); })
       .def_property_readonly("received",
                              [](const SubscriptionHandle& one) { return one.subscription().stats().received; })
@@ -51,20 +50,18 @@ void BindSubscription(py::module_& module) {
 
 void BindSession(py::module_& module) {
   BindSubscription(module);
-  // In a process that was forked, for objects whose threads are in the parent.
-  module.def(
-      "leave_to_parent", [](const py::object& object) { object.inc_ref(); }, "Never destroys the object.");
-  using Released = py::call_guard<py::gil_scoped_release>;
   py::class_<SessionHandle, std::shared_ptr<SessionHandle>>(module, "Session", "A session of C++.")
       .def(py::init([](const std::optional<std::string>& file, const std::optional<std::string>& text,
                        const std::vector<std::string>& sections, const std::string& name,
                        const std::shared_ptr<Inbox>& log) {
              const py::gil_scoped_release released;
-             return std::make_shared<SessionHandle>(ConfigOf(file, text, sections), name, log);
+             return MakeShared<SessionHandle>(ConfigOf(file, text, sections), name, log);
            }),
            py::arg("file"), py::arg("text"), py::arg("sections"), py::arg("name"), py::arg("log"))
       .def("close", &SessionHandle::Close, Released())
       .def_property_readonly("closed", &SessionHandle::closed)
+      .def("refuse_in_child", &SessionHandle::RefuseInChild)
+      .def_property_readonly("of_parent", [](const SessionHandle& one) { return one.of_parent(); })
       .def_property_readonly("id", [](const SessionHandle& one) { return one.Use()->id().ToString(); })
       .def_property_readonly("name", [](const SessionHandle& one) { return one.Use()->name(); })
       .def(
@@ -84,7 +81,7 @@ void BindSession(py::module_& module) {
           "advertise",
           [](SessionHandle& one, const std::string& channel, const MessageSchema& schema, std::size_t latched) {
             const auto session = one.Use();
-            return std::make_unique<PublisherHandle>(
+            return MakeOwned<PublisherHandle>(
                 session, channel, session->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}));
           },
           Released(), py::arg("channel"), py::arg("schema"), py::arg("latched"))

@@ -8,7 +8,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
 using py::literals::operator""_a;  // NOLINT(misc-unused-using-decls): clang-tidy 14 does not see its uses
 
 py::dict AsDict(const LogHistogram& times) {

@@ -17,8 +17,6 @@
 namespace hgros::python {
 namespace {
 
-namespace py = pybind11;
-using Released = py::call_guard<py::gil_scoped_release>;
 using Clock = std::chrono::steady_clock;
 using Matrix = std::array<double, 16>;  // Row by row.
 
@@ -27,7 +25,7 @@ constexpr std::chrono::milliseconds kSignalsEvery{20};
 constexpr double kLongestWaitS = 1e9;
 
 // The transforms of a session, which must end before it.
-class TransformsHandle {
+class TransformsHandle : public OfProcess {
  public:
   // Whoever uses the transforms keeps their session, too. The transforms are destroyed first.
   struct Kept {
@@ -37,13 +35,16 @@ class TransformsHandle {
   };
 
   explicit TransformsHandle(std::shared_ptr<Session> session) : kept_(std::make_shared<Kept>(std::move(session))) {}
-  /// Release it without the GIL: it may be the last one. Errors: throws Error after End().
+  /// Release it without the GIL: it may be the last one. Errors: throws Error after End(), and in a
+  /// forked child.
   [[nodiscard]] std::shared_ptr<Kept> used() const {
+    RefuseInChild();
     const std::scoped_lock lock(mutex_);
     if (!kept_) throw Error("The session of the transforms is closed.");
     return kept_;
   }
   void End() {
+    if (of_parent()) return;
     std::shared_ptr<Kept> last;  // Released after the lock.
     const std::scoped_lock lock(mutex_);
     last.swap(kept_);
@@ -128,8 +129,8 @@ std::string Send(const TransformsHandle& handle, const std::string& parent, cons
 }  // namespace
 
 void BindTransforms(py::module_& module) {
-  py::class_<TransformsHandle>(module, "Transforms", "The transforms of a session.")
-      .def(py::init([](const SessionHandle& session) { return std::make_unique<TransformsHandle>(session.Use()); }),
+  py::class_<TransformsHandle, Owned<TransformsHandle>>(module, "Transforms", "The transforms of a session.")
+      .def(py::init([](const SessionHandle& session) { return MakeOwned<TransformsHandle>(session.Use()); }),
            Released(), py::arg("session"))
       .def("lookup", &Lookup, py::arg("target"), py::arg("source"), py::arg("stamp_ns"), py::arg("timeout"))
       .def("end", &TransformsHandle::End, Released())

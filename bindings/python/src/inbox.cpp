@@ -6,6 +6,7 @@
 namespace hgros::python {
 
 void Inbox::SetQueue(const Queue& queue) {
+  RefuseInChild();
   std::deque<Arrival> dropped;  // Released after the lock.
   const std::scoped_lock lock(mutex_);
   queue_ = queue;
@@ -40,6 +41,7 @@ void Inbox::Push(Arrival arrival) {
 }
 
 std::vector<Arrival> Inbox::Take(std::size_t most) {
+  RefuseInChild();
   std::vector<Arrival> taken;
   {
     const std::scoped_lock lock(mutex_);
@@ -58,6 +60,7 @@ std::vector<Arrival> Inbox::Take(std::size_t most) {
 }
 
 std::optional<Arrival> Inbox::TakeOne(bool& more) {
+  RefuseInChild();
   std::optional<Arrival> taken;
   bool lossless = false;
   {
@@ -86,6 +89,7 @@ void Inbox::Clear() {
 }
 
 void Inbox::Close() {
+  if (of_parent()) return;
   std::deque<Arrival> left;  // Released after the lock.
   {
     const std::scoped_lock lock(mutex_);
@@ -97,11 +101,13 @@ void Inbox::Close() {
 }
 
 std::uint64_t Inbox::dropped() const {
+  RefuseInChild();
   const std::scoped_lock lock(mutex_);
   return dropped_;
 }
 
 std::size_t Inbox::queued() const {
+  RefuseInChild();
   const std::scoped_lock lock(mutex_);
   return arrivals_.size();
 }

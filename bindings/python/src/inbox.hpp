@@ -12,6 +12,7 @@
 
 #include "arrival.hpp"
 #include "hgros/graph/queue.hpp"
+#include "of_process.hpp"
 #include "ready_list.hpp"
 
 namespace hgros::python {
@@ -22,8 +23,9 @@ namespace hgros::python {
 /// be a dedicated thread of a node; the node's own queue then fills up and holds back publishers. It takes little out
 /// of that queue: at most kLosslessRoom messages and about kLosslessBytes.
 ///
-/// Thread safety: all functions. Push() never takes the GIL.
-class Inbox {
+/// Thread safety: all functions. Push() never takes the GIL. In a forked child Close() does nothing, and what Python
+/// calls besides throws Error.
+class Inbox : public OfProcess {
  public:
   static constexpr std::size_t kLosslessRoom = 64;
   static constexpr std::size_t kLosslessBytes = std::size_t{1} << 20;

@@ -2,6 +2,7 @@
 
 #include "bindings.hpp"
 #include "hgros/base/error.hpp"
+#include "of_process.hpp"
 
 PYBIND11_MODULE(_hgros, module) {
   namespace python = hgros::python;
@@ -10,6 +11,7 @@ PYBIND11_MODULE(_hgros, module) {
   error.doc() = "What is wrong, where, and how to mend it.";
   pybind11::register_exception<hgros::TypeMismatch>(module, "TypeMismatch", error.ptr());
   pybind11::register_exception<hgros::ConfigError>(module, "ConfigError", error.ptr());
+  python::CountForks();
   python::BindInbox(module);
   python::BindSchema(module);
   python::BindPublisher(module);

@@ -129,17 +129,20 @@ ReadyList::ReadyList() : descriptor_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
 ReadyList::~ReadyList() { close(descriptor_); }
 
 void ReadyList::Add(int key) {
+  if (of_parent()) return;
   const std::scoped_lock lock(mutex_);
   keys_.push_back(key);
   RingLocked();
 }
 
 void ReadyList::Wake() {
+  if (of_parent()) return;
   const std::scoped_lock lock(mutex_);
   RingLocked();
 }
 
 std::vector<int> ReadyList::Take() {
+  RefuseInChild();
   const std::scoped_lock lock(mutex_);
   if (rung_) {
     std::uint64_t count = 0;

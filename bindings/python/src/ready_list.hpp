@@ -3,12 +3,15 @@
 #include <mutex>
 #include <vector>
 
+#include "of_process.hpp"
+
 namespace hgros::python {
 
 /// Which inboxes have something for Python, and an eventfd by which a thread or an event loop waits for that.
 ///
-/// Thread safety: all functions. No thread that calls Add() or Wake() takes the GIL.
-class ReadyList {
+/// Thread safety: all functions. No thread that calls Add() or Wake() takes the GIL. In a forked child these two do
+/// nothing, and Take() and Wait() throw Error.
+class ReadyList : public OfProcess {
  public:
   /// Errors: throws Error if the process can open no more files.
   ReadyList();

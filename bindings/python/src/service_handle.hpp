@@ -46,7 +46,7 @@ class RequestDesk {
 };
 
 /// Keeps a service of Python.
-class ServiceHandle {
+class ServiceHandle : public OfProcess {
  public:
   ServiceHandle(Service service, std::shared_ptr<RequestDesk> desk)
       : desk_(std::move(desk)), service_(std::move(service)) {}
@@ -54,8 +54,9 @@ class ServiceHandle {
   ServiceHandle& operator=(const ServiceHandle&) = delete;
   ~ServiceHandle() { End(); }
 
-  /// Call it without the GIL.
+  /// Call it without the GIL. Does nothing in a forked child.
   void End() {
+    if (of_parent()) return;
     desk_->End();  // First: its thread may wait for an answer.
     service_.Reset();
   }

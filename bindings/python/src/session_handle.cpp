@@ -14,6 +14,7 @@ constexpr std::size_t kLoanFrom = 64 * 1024;
 }  // namespace
 
 void SubscriptionHandle::End() {
+  if (of_parent()) return;
   inbox_->Close();  // First: its thread may wait for room.
   subscription_.Reset();
 }
@@ -26,6 +27,7 @@ SessionHandle::SessionHandle(Config config, const std::string& name, std::shared
                          }})) {}
 
 std::shared_ptr<Session> SessionHandle::Use() const {
+  RefuseInChild();
   const std::scoped_lock lock(mutex_);
   if (!session_) {
     throw Error("The session is closed.", {}, "Use it before close(), or inside its `with` block.");
@@ -34,19 +36,20 @@ std::shared_ptr<Session> SessionHandle::Use() const {
 }
 
 void SessionHandle::Close() {
+  if (of_parent()) return;
   std::shared_ptr<Session> last;
   const std::unique_lock lock(mutex_);
   last.swap(session_);
 }
 
 bool SessionHandle::closed() const {
+  RefuseInChild();
   const std::scoped_lock lock(mutex_);
   return session_ == nullptr;
 }
 
-std::unique_ptr<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel,
-                                                             const std::shared_ptr<Inbox>& inbox,
-                                                             const NodeOptions& options) {
+Owned<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel, const std::shared_ptr<Inbox>& inbox,
+                                                   const NodeOptions& options) {
   const auto session = Use();
   const auto put = [inbox](const std::shared_ptr<const RawMessage>& message, const MessageInfo& info) {
     inbox->Push(Heard{*message, info, Cause::Here()});
@@ -65,7 +68,7 @@ std::unique_ptr<SubscriptionHandle> SessionHandle::Subscribe(const std::string& 
     made = subscription.stats();
   }
   inbox->SetQueue(made.queue);
-  return std::make_unique<SubscriptionHandle>(std::move(subscription), inbox);
+  return MakeOwned<SubscriptionHandle>(std::move(subscription), inbox);
 }
 
 PublishStatus PublisherHandle::Publish(Bytes bytes,
@@ -78,11 +81,13 @@ PublishStatus PublisherHandle::Publish(Bytes bytes,
 
 PublishStatus PublisherHandle::Publish(const Payload& data,
                                        std::optional<std::chrono::steady_clock::time_point> deadline) const {
+  RefuseInChild();
   const CauseScope cause(current_cause);
   return deadline ? publish_.Wait(data, *deadline) : publish_(data);
 }
 
 Block PublisherHandle::Loan(std::size_t size_bytes) const {
+  RefuseInChild();
   const auto session = session_.lock();
   return session ? std::move(*session->Loan<Block>(channel_, size_bytes)) : Block::Allocate(size_bytes);
 }

@@ -17,7 +17,7 @@
 namespace hgros::python {
 
 /// Keeps a subscription and its inbox.
-class SubscriptionHandle {
+class SubscriptionHandle : public OfProcess {
  public:
   SubscriptionHandle(Subscription subscription, std::shared_ptr<Inbox> inbox)
       : inbox_(std::move(inbox)), subscription_(std::move(subscription)) {}
@@ -26,8 +26,12 @@ class SubscriptionHandle {
   ~SubscriptionHandle() { End(); }
 
   [[nodiscard]] Inbox& inbox() noexcept { return *inbox_; }
-  [[nodiscard]] const Subscription& subscription() const noexcept { return subscription_; }
-  /// Waits for a message that is being put into the inbox. Call it without the GIL.
+  /// Errors: throws Error in a forked child.
+  [[nodiscard]] const Subscription& subscription() const {
+    RefuseInChild();
+    return subscription_;
+  }
+  /// Waits for a message that is being put into the inbox. Call it without the GIL. Does nothing in a forked child.
   void End();
 
  private:
@@ -36,27 +40,28 @@ class SubscriptionHandle {
 };
 
 /// A session and what Python may do with it. Closing it is safe while other threads use it.
-class SessionHandle {
+class SessionHandle : public OfProcess {
  public:
   SessionHandle(Config config, const std::string& name, std::shared_ptr<Inbox> log);
 
-  /// The session. Errors: throws Error after Close().
+  /// The session. Errors: throws Error after Close(), and in a forked child.
   [[nodiscard]] std::shared_ptr<Session> Use() const;
   /// Ends the session, or lets the last thread that uses it do that. Call it without the GIL.
+  /// Does nothing in a forked child.
   void Close();
   [[nodiscard]] bool closed() const;
 
-  [[nodiscard]] std::unique_ptr<SubscriptionHandle> Subscribe(const std::string& channel,
-                                                              const std::shared_ptr<Inbox>& inbox,
-                                                              const NodeOptions& options);
+  [[nodiscard]] Owned<SubscriptionHandle> Subscribe(const std::string& channel, const std::shared_ptr<Inbox>& inbox,
+                                                    const NodeOptions& options);
 
  private:
   mutable std::mutex mutex_;
   std::shared_ptr<Session> session_;
 };
 
-/// Publishes bytes, with the cause of the callback that runs on this thread.
-class PublisherHandle {
+/// Publishes bytes, with the cause of the callback that runs on this thread. All functions throw Error in a forked
+/// child.
+class PublisherHandle : public OfProcess {
  public:
   PublisherHandle(std::shared_ptr<Session> session, std::string channel, RawPublisher publish)
       : session_(session), channel_(std::move(channel)), publish_(std::move(publish)) {}
@@ -67,8 +72,6 @@ class PublisherHandle {
   [[nodiscard]] PublishStatus Publish(const Payload& data,
                                       std::optional<std::chrono::steady_clock::time_point> deadline) const;
   [[nodiscard]] Block Loan(std::size_t size_bytes) const;
-  [[nodiscard]] const RawPublisher& raw() const noexcept { return publish_; }
-  [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
 
  private:
   std::weak_ptr<Session> session_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hgros/base/bytes.hpp"
+#include "of_process.hpp"
 
 namespace hgros::python {
 
@@ -18,7 +19,7 @@ inline Leases leases;
 
 /// The bytes of a received message where they arrived, for Python's buffer protocol. Python owns it through memoryviews
 /// and arrays; it returns the memory when the last of them is gone.
-class Wire {
+class Wire : public OfProcess {
  public:
   explicit Wire(Payload data) : data_(std::move(data)) {
     leases.count.fetch_add(1, std::memory_order_relaxed);
