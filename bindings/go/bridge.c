@@ -40,3 +40,19 @@ hgros_status GoCallLater(hgros_session* session, const char* name, const hgros_s
                          hgros_pending_call** call) {
   return hgros_call_later(session, name, request, data, size, reply, timeout_ns, Replied, (void*)user, Release, call);
 }
+
+static void Changed(void* user, const char* path, const char* yaml) {
+  hgrosGoChanged((uintptr_t)user, (char*)path, (char*)yaml);
+}
+
+hgros_status GoParamsWatch(hgros_params* params, const char* path, uintptr_t user, hgros_watch** watch) {
+  return hgros_params_watch(params, path, Changed, (void*)user, Release, watch);
+}
+
+static void PeerEvent(void* user, int32_t event, const hgros_peer* peer, const char* channel, const char* reason) {
+  hgrosGoPeer((uintptr_t)user, event, (hgros_peer*)peer, (char*)channel, (char*)reason);
+}
+
+hgros_status GoWatchPeers(hgros_session* session, uintptr_t user, hgros_watch** watch) {
+  return hgros_watch_peers(session, PeerEvent, (void*)user, Release, watch);
+}

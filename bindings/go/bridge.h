@@ -14,3 +14,5 @@ hgros_status GoServe(hgros_session* session, const char* name, const hgros_schem
 hgros_status GoCallLater(hgros_session* session, const char* name, const hgros_schema* request, const void* data,
                          size_t size, const hgros_schema* reply, int64_t timeout_ns, uintptr_t user,
                          hgros_pending_call** call);
+hgros_status GoParamsWatch(hgros_params* params, const char* path, uintptr_t user, hgros_watch** watch);
+hgros_status GoWatchPeers(hgros_session* session, uintptr_t user, hgros_watch** watch);

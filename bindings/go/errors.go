@@ -30,6 +30,10 @@ const (
 	ServerGone      Code = C.HGROS_SERVER_GONE
 	Cancelled       Code = C.HGROS_CANCELLED
 	NotWritable     Code = C.HGROS_NOT_WRITABLE
+	UnknownFrame    Code = C.HGROS_UNKNOWN_FRAME
+	NotConnected    Code = C.HGROS_NOT_CONNECTED
+	TooOld          Code = C.HGROS_TOO_OLD
+	TooNew          Code = C.HGROS_TOO_NEW
 )
 
 // Error is the name of the code, such as "full".
@@ -106,4 +110,21 @@ func (g *guard) do(what string, call func() C.hgros_status) error {
 	}
 	defer g.leave()
 	return check(call)
+}
+
+// closeWith closes what the library may refuse to close inside callbacks; then it stays open.
+func (g *guard) closeWith(call func() C.hgros_status) error {
+	var failure error
+	g.mutex.Lock()
+	g.free = func() {
+		err := check(call)
+		g.mutex.Lock()
+		defer g.mutex.Unlock()
+		failure, g.closed = err, err == nil
+	}
+	g.mutex.Unlock()
+	g.close()
+	g.mutex.Lock()
+	defer g.mutex.Unlock()
+	return failure
 }

@@ -54,15 +54,9 @@ func Open(yaml string, options *SessionOptions) (*Session, error) {
 
 // OpenFiles opens a session with configuration files, which are merged.
 func OpenFiles(files []string, options *SessionOptions) (*Session, error) {
-	size := C.size_t(unsafe.Sizeof((*C.char)(nil)))
-	list := C.calloc(C.size_t(len(files)+1), size)
-	defer C.free(list)
-	names := unsafe.Slice((**C.char)(list), len(files)+1)
-	for i, file := range files {
-		names[i] = C.CString(file)
-		defer C.free(unsafe.Pointer(names[i]))
-	}
-	return open(nil, (**C.char)(list), len(files), options)
+	list, release := textList(files)
+	defer release()
+	return open(nil, list, len(files), options)
 }
 
 func open(yaml *C.char, files **C.char, count int, options *SessionOptions) (*Session, error) {
