@@ -72,7 +72,7 @@ def is_number(line):
 
 def same_line(expected, printed):
     if is_number(expected) and is_number(printed):  # The robot drives in real time, and the machine may be busy.
-        return abs(float(printed) - float(expected)) <= 0.6 * abs(float(expected))
+        return abs(float(printed) - float(expected)) <= 0.4 * abs(float(expected))
     words = words_of(expected), words_of(printed)
     return len(words[0]) == len(words[1]) and all(map(same_word, *words))
 
