@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <memory>
@@ -161,8 +162,12 @@ TEST_P(PeerOfAnEndingSession, HearsAGoodbye) {
     const std::scoped_lock lock(mutex);
     if (event.kind == PeerEvent::Kind::kGone) reasons.push_back(event.reason);
   });
+  // They are connected in both directions: a session says goodbye to those that it knows.
+  std::atomic<bool> hears{false};
+  const auto busy = peer.FromAny<Log>("busy", Invoke::kSerial, [&hears](const Log&) { hears = true; });
   const auto fatal = peer.Advertise<Log>("fatal");
   ASSERT_TRUE(peer.WaitForSubscribers("fatal", 1, kPatience)) << worker.Errors();
+  ASSERT_TRUE(Await([&] { return hears.load(); })) << worker.Errors();
   (void)fatal(std::make_unique<Log>());
   EXPECT_EQ(worker.Result(), std::to_string(kStatus)) << worker.Errors();
   EXPECT_TRUE(Await([&] {

@@ -248,6 +248,25 @@ TEST_F(ZmqLimits, AStrangerCannotSpeakInTheNameOfASession) {
   EXPECT_EQ(publisher.listener.gone, 0);
 }
 
+TEST_F(ZmqLimits, AGoodbyeAlsoGoesToASessionThatHasNotAnsweredItsWelcome) {
+  const Client client(endpoint);
+  ASSERT_TRUE(client.Send(Frame('\1' + zmq::ControlTopic(SessionId{1}))));
+  bool welcomed = false;
+  for (int frames = 0; frames < 6 && !welcomed; ++frames) {
+    const auto control = zmq::ParseControl(AsBytes(client.Receive()));  // Topics come between.
+    welcomed = control && control->has_welcome();
+  }
+  ASSERT_TRUE(welcomed);
+  out.reset();
+  publisher.transport.reset();
+  bool bye = false;
+  for (int frames = 0; frames < 6 && !bye; ++frames) {
+    const auto control = zmq::ParseControl(AsBytes(client.Receive()));
+    bye = control && control->has_bye();
+  }
+  EXPECT_TRUE(bye);
+}
+
 TEST_F(ZmqLimits, AConnectionThatDoesNotReadTheAnswersToItsMessagesIsClosed) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "A million messages take too long with a sanitizer.";

@@ -268,6 +268,10 @@ void SubscriberPeers::AddWishes(std::vector<SessionChannels>& known) const {
 void SubscriberPeers::DropAll(std::string_view reason, Actions& actions) {
   auto bye = ControlFrom(shared_.self.info.id);
   bye.mutable_bye();
+  // Those that have got a Welcome, but whose Hello has not come yet, know this session, too.
+  for (const auto& [session, greeting] : greetings_) {
+    if (!peers_.contains(session)) Send(ControlTopic(session), bye, -1);
+  }
   while (!peers_.empty()) {
     Send(*peers_.begin()->second, bye);
     Drop(peers_.begin()->first, reason, actions, LinkEnd::kWithdrawn);
