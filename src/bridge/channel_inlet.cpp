@@ -77,6 +77,7 @@ void ChannelInlet::Detach() {
   {
     const std::scoped_lock lock(waiting_mutex_);
     std::swap(left, waiting_);
+    taken_ += left.size();
     undelivered.swap(handed_over_);
     if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
     detached_.fetch_add(1, std::memory_order_release);  // An errand may have taken a message before.
@@ -85,7 +86,7 @@ void ChannelInlet::Detach() {
   ForgetOffers();
   // Messages that are published while there is no subscriber here do not count as lost.
   const std::scoped_lock lock(counts_mutex_);
-  for (auto& [publisher, life] : lives_) life.away = true;
+  for (auto& [publisher, life] : lives_) life.NoteAway();
 }
 
 void ChannelInlet::SetDemand(const Demand& demand) {
@@ -111,15 +112,15 @@ Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
   return runner == Runner::kTransport || runner == Runner::kVisitor ? Accepted::kRunHere : Accepted::kRunApart;
 }
 
-ChannelInlet::Taken ChannelInlet::TakeNext(InboundMessage& message, UserCode user_code, std::uint64_t& detached) {
+ChannelInlet::Taken ChannelInlet::TakeNext(InboundMessage& message, UserCode user_code, Turn& turn) {
   const std::scoped_lock lock(waiting_mutex_);
-  detached = detached_.load(std::memory_order_relaxed);
   if (waiting_.empty()) {
     runner_ = Runner::kNobody;
     return Taken::kNone;
   }
   if (user_code == UserCode::kRefused && !IsQuick(waiting_.front())) return Taken::kNotQuick;
   message = waiting_.Take();
+  turn = {detached_.load(std::memory_order_relaxed), ++taken_};
   return Taken::kMessage;
 }
 
@@ -138,13 +139,13 @@ void ChannelInlet::Run() noexcept {
   std::optional<Decoded> undelivered;
   while (!undelivered) {
     InboundMessage message;
-    std::uint64_t detached = 0;
-    const Taken taken = TakeNext(message, decoding, detached);
+    Turn turn;
+    const Taken taken = TakeNext(message, decoding, turn);
     // A visitor also reads for others. A node that a reply has made ready is user code, so the workers run it.
     if (taken == Taken::kNone) return as == Runner::kVisitor ? slot.HandToWorkers() : slot.RunKept();
     slot.HandToWorkers();
     if (taken == Taken::kNotQuick) break;
-    std::optional<Decoded> decoded = Decode(std::move(message), detached);
+    std::optional<Decoded> decoded = Decode(std::move(message), turn);
     if (decoded && !Inject(*decoded, injecting)) undelivered = std::move(decoded);
   }
   {
@@ -165,55 +166,33 @@ void ChannelInlet::RunErrand() noexcept {
   if (first) (void)Inject(*first, UserCode::kAllowed);
   for (int i = 0; i < kMessagesPerErrand; ++i) {
     InboundMessage message;
-    std::uint64_t detached = 0;
-    if (TakeNext(message, UserCode::kAllowed, detached) == Taken::kNone) return;
-    if (const auto decoded = Decode(std::move(message), detached)) (void)Inject(*decoded, UserCode::kAllowed);
+    Turn turn;
+    if (TakeNext(message, UserCode::kAllowed, turn) == Taken::kNone) return;
+    if (const auto decoded = Decode(std::move(message), turn)) (void)Inject(*decoded, UserCode::kAllowed);
   }
   run_apart_([this] { RunErrand(); });
 }
 
-bool ChannelInlet::CountIn(const InboundMessage& message, std::uint64_t detached, Gap& lost, std::int64_t& way_ns) {
-  const MessageId& id = message.head.id;
+bool ChannelInlet::CountIn(const InboundMessage& message, const Turn& turn, PublisherLife::Gap& lost,
+                           std::int64_t& way_ns) {
   const std::scoped_lock lock(counts_mutex_);
-  if (detached_.load(std::memory_order_acquire) != detached) return false;
+  if (detached_.load(std::memory_order_acquire) != turn.detached) return false;
+  std::optional<std::int64_t> published_ns;
   if (const std::int64_t then = message.head.publish_time_ns; then > 0) {
     way_ns = clocks_->Since(then, message.from).count();
     transport_.Record(way_ns);
+    published_ns = MonotonicNow() - way_ns;
   }
-  const std::pair who{message.from.value, id.publisher};
+  const std::pair who{message.from.value, message.head.id.publisher};
   if (lives_.size() >= kMaxPublishers && !lives_.contains(who)) {
     lives_.erase(std::min_element(lives_.begin(), lives_.end(), [](const auto& a, const auto& b) {
-      return a.second.last_heard_ns < b.second.last_heard_ns;
+      return a.second.last_heard_ns() < b.second.last_heard_ns();
     }));
   }
-  Life& life = lives_[who];
-  life.last_heard_ns = MonotonicNow();
-  life.traffic.publisher = SessionId{id.publisher};
-  if (id.publisher == 0) {  // This publisher does not count its messages, so gaps and repeats cannot be detected.
-    ++life.traffic.received;
-    return true;
-  }
-  const bool known = life.incarnation == id.incarnation;
-  if ((known && id.sequence <= life.last_sequence) || id.incarnation < life.incarnation) {
-    ++life.traffic.repeated;
-    return false;
-  }
-  const bool later = life.cut_ns && message.head.publish_time_ns > 0 && MonotonicNow() - way_ns > *life.cut_ns;
-  const bool away = life.away || (later && life.cut_why == OfferEnd::kWithdrawn);
-  if (known && !away && id.sequence > life.last_sequence + 1) {
-    lost = {id.sequence - life.last_sequence - 1, life.cut_ns && life.cut_why == OfferEnd::kLost};
-    life.traffic.lost += lost.messages;
-    life.cut_ns.reset();
-  }
-  if (later) life.cut_ns.reset();
-  life.away = false;
-  life.incarnation = id.incarnation;
-  life.last_sequence = id.sequence;
-  ++life.traffic.received;
-  return true;
+  return lives_[who].Count(message.head.id, turn.number, published_ns, lost);
 }
 
-std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message, std::uint64_t detached) noexcept {
+std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& message, const Turn& turn) noexcept {
   const PacketHead& head = message.head;
   if (is_librarys_ && (message.from.value == 0 || head.id.publisher != message.from.value)) {
     OnFault(PacketFault::kHead, "its head names a publisher that has not sent it");
@@ -227,9 +206,9 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
                 " here; build both programs with one type, or give one of them another channel name");
     return std::nullopt;
   }
-  Gap lost;
+  PublisherLife::Gap lost;
   std::int64_t way_ns = 0;
-  if (!CountIn(message, detached, lost, way_ns)) return std::nullopt;
+  if (!CountIn(message, turn, lost, way_ns)) return std::nullopt;
   if (lost.messages > 0 && lossless_.load(std::memory_order_relaxed)) SayLost(lost, message.from);
   Decoded decoded;
   decoded.type = any ? &AnyType() : &DataGraph::InboundType(channel_);
@@ -245,7 +224,7 @@ std::optional<ChannelInlet::Decoded> ChannelInlet::Decode(InboundMessage&& messa
   decoded.info = InfoOf(message, way_ns);
   decoded.credit = std::move(message.credit);
   decoded.latched = head.latched;
-  decoded.detached = detached;
+  decoded.detached = turn.detached;
   return decoded;
 }
 
@@ -300,12 +279,16 @@ void ChannelInlet::OnOffer(const PeerInfo& from, const std::shared_ptr<const Mes
 }
 
 void ChannelInlet::OnOfferEnded(SessionId from, OfferEnd why) noexcept {
+  std::uint64_t accepted = 0;
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    accepted = taken_ + waiting_.size();
+  }
   {
     const std::scoped_lock lock(counts_mutex_);
     const auto first = lives_.lower_bound({from.value, 0});
     for (auto life = first; life != lives_.end() && life->first.first == from.value; ++life) {
-      life->second.cut_ns = MonotonicNow();
-      life->second.cut_why = why;
+      life->second.NoteEnd(why, accepted);
     }
   }
   Offer ended;  // Destroyed after the lock.
@@ -355,7 +338,7 @@ bool ChannelInlet::Inject(const Decoded& decoded, UserCode user_code) noexcept {
 
 // Keep-last subscribers expect losses and find them counted. A lossless subscriber loses messages if it was cut off for
 // too long, or if their publisher had no memory to send them or found them too large. Only the publisher knows which.
-void ChannelInlet::SayLost(const Gap& lost, SessionId from) {
+void ChannelInlet::SayLost(const PublisherLife::Gap& lost, SessionId from) {
   const std::string& name = DataGraph::NameOf(channel_);
   log_->WriteLimited(LogLevel::kWarning, "inlet lost " + name,
                      std::to_string(lost.messages) + " messages of the lossless channel \"" + name +
@@ -387,7 +370,7 @@ void ChannelInlet::OnPublishers(std::size_t count) noexcept {
 void ChannelInlet::AddTo(ChannelTraffic& traffic) const {
   traffic.publishers = publisher_count();
   const std::scoped_lock lock(counts_mutex_);
-  for (const auto& [publisher, life] : lives_) traffic.in.push_back(life.traffic);
+  for (const auto& [publisher, life] : lives_) traffic.in.push_back(life.traffic());
   traffic.faults = faults_;
   traffic.transport.Merge(transport_);
 }

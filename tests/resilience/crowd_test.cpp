@@ -59,6 +59,8 @@ TEST_F(Crowd, SessionsThatOnlyFollowDoNotPairAndWriteNothing) {
   }
   ASSERT_TRUE(publisher->Reaches({{"known", kAll}, {"peers", kAll - 1}})) << *publisher;
   EXPECT_EQ(publisher->Finish(), 0);
+  EXPECT_TRUE(publisher->Reaches({{"ended", 1}})) << *publisher;
+  EXPECT_EQ((*publisher)["lines"], 0U) << *publisher;
   for (const auto& one : followers) {
     EXPECT_TRUE(Await([&] { return (*one)["known"] == kAll - 1 && (*one)["peers"] == 0; })) << *one;
   }
@@ -67,6 +69,26 @@ TEST_F(Crowd, SessionsThatOnlyFollowDoNotPairAndWriteNothing) {
     EXPECT_TRUE(one->Reaches({{"ended", 1}})) << *one;
     EXPECT_EQ((*one)["lines"], 0U) << *one;
   }
+}
+
+TEST_F(Crowd, FiveHundredSessionsKnowEachOtherWithinFiveSeconds) {
+  constexpr std::uint64_t kProcesses = 25;
+  constexpr std::uint64_t kAll = 500;
+  const std::vector<std::string> arguments = {"--sessions=" + std::to_string(kAll / kProcesses),
+                                              "--total=" + std::to_string(kAll + 1), "--every=2"};
+  Workers followers;
+  for (std::uint64_t i = 0; i < kProcesses; ++i) followers.push_back(Start(arguments));
+  const auto publisher = Start({"--sessions=1", "--publishers=1", "--total=" + std::to_string(kAll + 1)});
+  for (const auto& one : followers) ASSERT_TRUE(one->Reaches({{"ready", 1}}, std::chrono::minutes(1))) << *one;
+  ASSERT_TRUE(publisher->Reaches({{"ready", 1}})) << *publisher;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  for (const auto& one : followers) {
+    EXPECT_TRUE(one->Reaches({{"known", kAll + 1}, {"received", 1}}, end - std::chrono::steady_clock::now()))
+        << one->pid() << " knows " << (*one)["known"];
+    EXPECT_EQ((*one)["peers"], 1U) << "only the publisher";
+    EXPECT_LE((*one)["files"], kMostFiles);
+  }
+  EXPECT_TRUE(publisher->Reaches({{"known", kAll + 1}, {"peers", kAll}}, end - std::chrono::steady_clock::now()));
 }
 
 TEST_F(Crowd, DiscoveryWorksWithoutInotify) {

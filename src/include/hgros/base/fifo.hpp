@@ -14,6 +14,7 @@ template <class T>
 class Fifo {
  public:
   [[nodiscard]] bool empty() const noexcept { return first_ == items_.size(); }
+  [[nodiscard]] std::size_t size() const noexcept { return items_.size() - first_; }
   [[nodiscard]] const T& front() const { return items_[first_]; }
   void Put(T&& item) { items_.push_back(std::move(item)); }
   [[nodiscard]] T Take() {

@@ -14,6 +14,7 @@
 #include "hgros/base/fifo.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/channel_traffic.hpp"
+#include "hgros/bridge/publisher_life.hpp"
 #include "hgros/clock/host_clocks.hpp"
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/graph/data_graph.hpp"
@@ -69,17 +70,6 @@ class ChannelInlet final : public InboundSink {
   void AddTo(ChannelTraffic& traffic) const;
 
  private:
-  struct Life {
-    std::uint64_t incarnation = 0;
-    std::uint64_t last_sequence = 0;
-    std::int64_t last_heard_ns = 0;
-    bool away = false;  // The session did not subscribe for a while.
-    // When a link to the sender has ended, unless a message that was published later has arrived, or a gap was found.
-    std::optional<std::int64_t> cut_ns;
-    OfferEnd cut_why = OfferEnd::kLost;
-    PublisherTraffic traffic;
-  };
-
   enum class Runner {
     kNobody,
     kTransport,       // The transport's own thread, without user code.
@@ -96,26 +86,26 @@ class ChannelInlet final : public InboundSink {
     std::size_t latched = 0;
     std::uint64_t detached = 0;  // detached_ when the message was taken.
   };
+  struct Turn {
+    std::uint64_t detached = 0;  // detached_ when the message was taken.
+    std::uint64_t number = 0;    // Of the messages that were accepted, in their order.
+  };
 
   // True if the message is small and is decoded without user code.
   [[nodiscard]] bool IsQuick(const InboundMessage& message) const noexcept;
   enum class Taken { kMessage, kNone, kNotQuick };
-  // Takes the next message. If there is none, no thread delivers any more. Sets `detached` to detached_.
-  Taken TakeNext(InboundMessage& message, UserCode user_code, std::uint64_t& detached);
+  // Takes the next message. If there is none, no thread delivers any more.
+  Taken TakeNext(InboundMessage& message, UserCode user_code, Turn& turn);
   // Counts and decodes the message. Empty if it must not be delivered.
-  [[nodiscard]] std::optional<Decoded> Decode(InboundMessage&& message, std::uint64_t detached) noexcept;
+  [[nodiscard]] std::optional<Decoded> Decode(InboundMessage&& message, const Turn& turn) noexcept;
   // Does nothing with a message that was taken before Detach(). False: it needs a thread for user code.
   [[nodiscard]] bool Inject(const Decoded& decoded, UserCode user_code) noexcept;
   void RunErrand() noexcept;
-  // Messages before one that has arrived.
-  struct Gap {
-    std::uint64_t messages = 0;
-    bool cut = false;  // A link to their sender has ended.
-  };
-  void SayLost(const Gap& lost, SessionId from);
+  void SayLost(const PublisherLife::Gap& lost, SessionId from);
   // False for a repeat, and for a message that was taken before Detach(). Sets `lost` to the messages before it that
   // did not arrive, and `way_ns` to the time since it was published.
-  [[nodiscard]] bool CountIn(const InboundMessage& message, std::uint64_t detached, Gap& lost, std::int64_t& way_ns);
+  [[nodiscard]] bool CountIn(const InboundMessage& message, const Turn& turn, PublisherLife::Gap& lost,
+                             std::int64_t& way_ns);
   [[nodiscard]] MessageInfo InfoOf(const InboundMessage& message, std::int64_t way_ns) const noexcept;
   [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
@@ -146,6 +136,7 @@ class ChannelInlet final : public InboundSink {
 
   std::mutex waiting_mutex_;
   Fifo<InboundMessage> waiting_;
+  std::uint64_t taken_ = 0;  // Number of messages that were taken from waiting_.
   Runner runner_ = Runner::kNobody;
   std::optional<Decoded> handed_over_;  // Delivered before waiting_.
   // The number of calls of Detach(). A message that an errand took before one of them is not for the next subscription,
@@ -160,7 +151,7 @@ class ChannelInlet final : public InboundSink {
 
   mutable std::mutex counts_mutex_;
   // By the sending session (0: none) and the publisher in the message, so that no session can disturb another's counts.
-  std::map<std::pair<std::uint64_t, std::uint64_t>, Life> lives_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, PublisherLife> lives_;
   std::array<std::uint64_t, kPacketFaultCount> faults_{};
   LogHistogram transport_;
 };
