@@ -1,7 +1,9 @@
 #include "processes/process_end.hpp"
 
+#include <glob.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -16,6 +18,13 @@ std::string SignalText(int status) {
   return "SIG" + std::string(name != nullptr ? name : std::to_string(WTERMSIG(status)));
 }
 
+std::string FirstLine(const char* path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
 }  // namespace
 
 std::string ShortEndText(int status) {
@@ -28,15 +37,44 @@ std::string EndText(int status) {
   return "it ended with exit code " + std::to_string(WEXITSTATUS(status));
 }
 
-std::string CoreText(int status) {
+std::string CoreName(const std::string& pattern, bool pid_is_added, pid_t pid, int signal) {
+  std::string name;
+  bool has_pid = false;
+  for (std::size_t at = 0; at < pattern.size(); ++at) {
+    if (pattern[at] != '%') {
+      name += pattern[at];
+      continue;
+    }
+    if (++at == pattern.size()) break;  // The kernel drops it.
+    switch (pattern[at]) {
+      case '%': name += '%'; break;
+      case 'p':
+        has_pid = true;
+        name += std::to_string(pid);
+        break;
+      case 'u': name += std::to_string(getuid()); break;
+      case 'g': name += std::to_string(getgid()); break;
+      case 's': name += std::to_string(signal); break;
+      default: name += '*'; break;
+    }
+  }
+  if (pid_is_added && !has_pid) name += "." + std::to_string(pid);
+  return name;
+}
+
+std::string CoreText(int status, pid_t pid) {
   if (!WIFSIGNALED(status) || !WCOREDUMP(status)) return {};
-  std::ifstream file("/proc/sys/kernel/core_pattern");
-  std::string pattern;
-  std::getline(file, pattern);
+  const std::string pattern = FirstLine("/proc/sys/kernel/core_pattern");
   if (pattern.starts_with('|')) return " Its core was given to" + pattern.substr(1, pattern.find(' ') - 1) + ".";
-  if (pattern.starts_with('/')) return " Its core file: " + pattern + ".";
+  const bool pid_is_added = FirstLine("/proc/sys/kernel/core_uses_pid") != "0";
   std::error_code error;
-  return " Its core file: " + (std::filesystem::current_path(error) / pattern).string() + ".";
+  // An absolute pattern stays as it is.
+  std::string file =
+      (std::filesystem::current_path(error) / CoreName(pattern, pid_is_added, pid, WTERMSIG(status))).string();
+  glob_t found{};
+  if (file.find('*') != std::string::npos && glob(file.c_str(), 0, nullptr, &found) == 0) file = found.gl_pathv[0];
+  globfree(&found);
+  return " Its core file: " + file + ".";
 }
 
 }  // namespace hgros::cli

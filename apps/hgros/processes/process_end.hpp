@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <string>
 
 namespace hgros::cli {
@@ -10,7 +12,10 @@ namespace hgros::cli {
 /// The same as a state: "ended by SIGSEGV", "ended with code 3", and "ended" for code 0.
 [[nodiscard]] std::string ShortEndText(int status);
 
-/// " Its core file: ...", if there is one; otherwise empty.
-[[nodiscard]] std::string CoreText(int status);
+/// " Its core file: ...", if there is one; otherwise empty. The process had the working directory of this one.
+[[nodiscard]] std::string CoreText(int status, pid_t pid);
+
+/// The name that the kernel's pattern gives to a core file, with `*` for what only the kernel knows, such as the time.
+[[nodiscard]] std::string CoreName(const std::string& pattern, bool pid_is_added, pid_t pid, int signal);
 
 }  // namespace hgros::cli

@@ -213,7 +213,7 @@ void FarEnd::HearUnit(bool ended) {
   unit_->ReadOutput(hear);
   if (!ended) return;
   unit_->ReadLastLine(hear);
-  if (const std::string core = CoreText(unit_->status()); !core.empty()) hear(core.substr(1));
+  if (const std::string core = CoreText(unit_->status(), unit_->pid()); !core.empty()) hear(core.substr(1));
 }
 
 void FarEnd::Tell(const RemoteReport& report) {

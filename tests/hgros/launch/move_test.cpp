@@ -2,15 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <future>
 #include <random>
 #include <regex>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "hgros/command_run.hpp"
@@ -25,15 +28,18 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-// The passing component moves between a, b and c. Nothing happens to "ends".
+// The passing component moves between a, b and c. Nothing happens to "ends" and "beside", so nothing that goes from one
+// to the other is lost or repeated, whatever happens to the rest.
 constexpr const char* kMoving =
     "components:\n"
     "  counting: {type: moving/Counting}\n"
     "  passing: {type: moving/Passing, checkpoint: 50ms}\n"
     "  judging: {type: moving/Judging}\n"
+    "  witness: {type: moving/Judging, remap: {passed: number, ask: ask_witness}}\n"
     "  does: {type: relay/Does}\n"
     "processes:\n"
     "  ends: {components: [counting, judging]}\n"
+    "  beside: {components: [witness]}\n"
     "  a: {components: [passing], restart: on-failure}\n"
     "  b: {restart: on-failure}\n"
     "  c: {components: [does], restart: on-failure}\n";
@@ -75,7 +81,25 @@ class MovingRobot {
     const int now = Count();
     return test::Await([&] { return Count() > now; });
   }
-  [[nodiscard]] std::vector<std::string> Faults() const { return Matches(run_.out(), R"(((?:lost|again) \d.*))"); }
+  [[nodiscard]] std::vector<std::string> Faults(const std::string& component = "judging") const {
+    return Matches(run_.out(), component + R"( +warning: ((?:lost|again) \d.*))");
+  }
+  // Of its sessions, in the folder where they find each other.
+  [[nodiscard]] std::vector<std::string> FilesLeft() const {
+    const std::string user = std::to_string(geteuid());
+    const std::string domain = folder_.environment().at("HGROS_DOMAIN");
+    std::vector<std::string> left;
+    const char* const runtime = std::getenv("XDG_RUNTIME_DIR");
+    const std::vector<std::string> places{(runtime == nullptr ? "/run/user/" + user : std::string(runtime)) + "/hgros",
+                                          "/tmp/hgros-" + user};
+    for (const std::string& folder : places) {
+      std::error_code none;
+      for (const auto& file : std::filesystem::directory_iterator(folder + "/" + domain, none)) {
+        left.push_back(file.path());
+      }
+    }
+    return left;
+  }
   [[nodiscard]] std::string out() const { return run_.out() + run_.err(); }
   [[nodiscard]] bool Prints(const std::string& text) const { return run_.Prints(text); }
   void End() {
@@ -221,6 +245,7 @@ void MoveWith(MovingRobot& robot, const std::string& from, const std::string& to
   if (!fault.kills) {
     EXPECT_EQ(robot.Faults().size(), faults) << "Nobody has died.";
   }
+  EXPECT_THAT(robot.Faults("witness"), IsEmpty()) << "Neither end has died.";
 }
 
 // 200 rounds: HGROS_MOVE_ROUNDS=200.
@@ -253,6 +278,7 @@ TEST(HgrosMove, WhoeverIsKilledOrStoppedOnePlaceRunsIt) {
     for (std::sregex_iterator at(pids.begin(), pids.end(), pid), end; at != end; ++at) {
       EXPECT_FALSE(cli::Runs(std::stoi((*at)[1]))) << "An orphan.";
     }
+    EXPECT_THAT(robot.FilesLeft(), IsEmpty());
     if (testing::Test::HasFailure()) printf("%s\n", robot.out().c_str());
   }
 }
