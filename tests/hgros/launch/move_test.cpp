@@ -222,6 +222,7 @@ void MoveWith(MovingRobot& robot, const std::string& from, const std::string& to
   const pid_t victim = robot.PidOf(fault.old ? from : to);
   ASSERT_GT(victim, 0);
   const std::size_t faults = robot.Faults().size();
+  const std::size_t said = robot.run().out().size();
   auto moved = std::async(std::launch::async, [&] { return robot.Move(to); });
   test::Linger(fault.after);
   ASSERT_EQ(kill(victim, fault.kills ? SIGKILL : SIGSTOP), 0);
@@ -244,6 +245,10 @@ void MoveWith(MovingRobot& robot, const std::string& from, const std::string& to
   EXPECT_TRUE(robot.Ask());
   if (!fault.kills) {
     EXPECT_EQ(robot.Faults().size(), faults) << "Nobody has died.";
+  }
+  if (robot.Faults().size() > faults) {
+    EXPECT_THAT(robot.run().out().substr(said), HasSubstr("messages of the lossless channel"))
+        << "It is counted, and said.";
   }
   EXPECT_THAT(robot.Faults("witness"), IsEmpty()) << "Neither end has died.";
 }
