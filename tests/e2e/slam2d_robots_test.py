@@ -42,6 +42,24 @@ class Slam2dRobots(Slam2dTest):
                 code, out, err = self.end(robots["robot2.yaml"])
                 self.assertEqual(code, 0, out + err)
 
+    def test_a_robot_without_a_mapper_says_what_it_waits_for(self):
+        self.on_free_ports("robot1.yaml")
+        alone = self.start("robot1.yaml", SHORT)
+        self.assertIn("Does one run, and do the channels pre_channel, next_channel and map_state pass between the two?",
+                      self.await_line(alone, "It waits for a mapper."))
+        self.start("robot2.yaml")
+        self.assertEqual(self.hashes(alone), self.reference(SCANS))
+
+    def test_a_mapper_that_gets_no_scan_is_missed(self):
+        self.on_free_ports("robot1.yaml")
+        (self.folder / "closed.yaml").write_text("include: robot1.yaml\ncomponents: {mapper: {type: slam2d/Mapper}}\n"
+                                                 "data_graph: {close_channels: [pre_channel]}\n")
+        alone = self.start("closed.yaml", SHORT)
+        self.assertIn("pre_channel", self.await_line(alone, "It waits for the map after the last scan."))
+        alone.send_signal(signal.SIGINT)
+        code, out, err = self.end(alone)
+        self.assertEqual(code, -signal.SIGINT, out + err)
+
     def test_each_component_may_run_anywhere(self):
         text = (ROBOTS / "one_process.yaml").read_text().replace("include: ", f"include: {ROBOTS}/")
         for component in ("source", "matcher", "mapper", "writer"):

@@ -14,6 +14,7 @@ namespace slam2d {
 namespace {
 
 constexpr std::chrono::seconds kSendAgainAfter{1};
+constexpr int kWaitsBeforeItSays = 5;
 
 }  // namespace
 
@@ -79,8 +80,14 @@ void Matcher::TakeMap(const msg::MapUpdate& message) {
 bool Matcher::WaitForMap(std::uint64_t scans) {
   std::unique_lock lock(mutex_);
   const auto ready = [&] { return begun_ && updates_ >= scans; };
-  while (!map_changed_.wait_for(lock, stop_.get_token(), kSendAgainAfter, ready)) {
+  for (int waits = 1; !map_changed_.wait_for(lock, stop_.get_token(), kSendAgainAfter, ready); ++waits) {
     if (stop_.stop_requested()) return false;
+    if (waits == kWaitsBeforeItSays) {
+      std::string text = begun_ ? "It waits for the map after the last scan." : "It waits for a mapper.";
+      text.append(" Does one run, and do the channels ").append(kPreChannel).append(", ").append(kNextChannel);
+      text.append(" and ").append(kMapState).append(" pass between the two?");
+      context_.log().Write(hgros::LogLevel::kWarning, text);
+    }
     if (!begun_ || sent_ == nullptr) continue;
     lock.unlock();
     RequireOk(matches_(*sent_), "A matched scan");
