@@ -63,7 +63,7 @@ function ServiceEndsWhileItHandles(): void
     });
     $caller = Program::peer('call', 'ask', 'hello');
     expectEqual(true, $service->handle(PATIENCE));
-    expectEqual('failed The service has ended.', $caller->line());
+    expect(preg_match('/^failed .*(has ended|ended service)/', $caller->line()) === 1);
     expectFailure(Status::Closed, 'closed before', static fn () => $service->handle(0.0));
 }
 

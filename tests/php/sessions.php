@@ -122,7 +122,7 @@ function StreamsWakeAnEventLoop(): void
     $publisher->publish(text('2'));
     expectEqual(['words'], $select((int) PATIENCE));
     expectEqual('1', $queue->take(0.0)?->getMessage());
-    expectEqual(['words'], $select(0));
+    expectEqual(['words'], $select((int) PATIENCE));
     expectEqual('2', $queue->take(0.0)?->getMessage());
     expectEqual([], $select(0));
     $caller = Program::peer('call', 'ask', 'hello');
