@@ -1,19 +1,17 @@
 #include "hgros/c/services.h"
 
-#include <optional>
-#include <stdexcept>
-
 #include "c/executors.hpp"
 #include "c/handles.hpp"
 #include "c/raw.hpp"
+#include "c/request_desk.hpp"
 
 struct hgros_service {
+  std::shared_ptr<hgros::c::RequestDesk> desk;  // Null with a handler.
   hgros::Service service;
-};
 
-struct hgros_reply {
-  std::optional<hgros::Payload> data;
-  std::optional<std::string> failure;
+  ~hgros_service() {
+    if (desk && !desk->in_forked_child()) desk->Stop();  // First: the service's thread may wait for an answer.
+  }
 };
 
 struct hgros_pending_call {
@@ -43,18 +41,29 @@ hgros_status StatusOf(CallFailure::Kind kind) noexcept {
 
 MessageSchema SchemaOrAny(const hgros_schema* schema) { return schema == nullptr ? MessageSchema{} : *schema->schema; }
 
-void RequireOpen(const hgros_reply& reply) {
-  if (reply.data || reply.failure) throw InvalidArgument("The request has its reply already.");
+hgros_status Reply(hgros_reply& reply, Answer answer) {
+  if (reply.replied) throw InvalidArgument("The request has its reply already.");
+  if (reply.desk && reply.desk->in_forked_child()) return Fail(HGROS_CLOSED, kSessionClosed);
+  if (!reply.desk) {
+    reply.answer = std::move(answer);
+  } else if (!reply.desk->Reply(reply.number, std::move(answer))) {
+    return Fail(HGROS_CLOSED, "The service has ended, and the caller has been told.");
+  }
+  reply.replied = true;
+  return HGROS_OK;
 }
 
-// The graph passes the sentence of an exception on to the caller.
 Payload Handle(hgros_service_handler handler, const User& user, const RawMessage& request) {
   const hgros_message message(std::make_shared<const RawMessage>(request));
   hgros_reply reply;
   handler(user.get(), &message, &reply);
-  if (reply.failure) throw std::runtime_error(*reply.failure);
-  if (!reply.data) throw std::runtime_error("The handler has set no reply.");
-  return *std::move(reply.data);
+  return PayloadOf(std::move(reply.answer));
+}
+
+NodeOptions NodeOptionsOf(const hgros_serve_options& options, Executor executor) {
+  NodeOptions node{std::string(TextOrNone(options.name)), {}, std::move(executor)};
+  if (options.most_waiting > 0) node.queue = Queue::KeepAll(static_cast<std::size_t>(options.most_waiting));
+  return node;
 }
 
 }  // namespace
@@ -64,18 +73,23 @@ namespace c = hgros::c;
 
 hgros_status hgros_reply_set(hgros_reply* reply, const void* data, size_t size) {
   return c::Guarded([&] {
-    c::RequireOpen(c::Given(reply, "reply"));
+    hgros_reply& to = c::Given(reply, "reply");
     auto copy = std::make_shared<const std::string>(hgros::AsText(c::Borrowed(data, size).bytes));
     const hgros::Bytes bytes = hgros::AsBytes(*copy);
-    reply->data = hgros::Payload{bytes, std::move(copy)};
+    return c::Reply(to, {hgros::Payload{bytes, std::move(copy)}, {}});
   });
 }
 
 hgros_status hgros_reply_fail(hgros_reply* reply, const char* sentence) {
   return c::Guarded([&] {
-    c::RequireOpen(c::Given(reply, "reply"));
-    reply->failure = c::Text(sentence, "sentence");
+    return c::Reply(c::Given(reply, "reply"), {{}, std::string(c::Text(sentence, "sentence"))});
   });
+}
+
+void hgros_reply_free(hgros_reply* reply) {
+  if (reply == nullptr) return;
+  if (!reply->replied) (void)hgros_reply_fail(reply, "The server has dropped the request without a reply.");
+  delete reply;
 }
 
 hgros_status hgros_serve(hgros_session* session, const char* name, const hgros_schema* request,
@@ -86,16 +100,59 @@ hgros_status hgros_serve(hgros_session* session, const char* name, const hgros_s
     const std::string_view served = c::Text(name, "name");
     if (handler == nullptr) c::RefuseNull("handler");
     const hgros_serve_options chosen = c::OptionsFrom(options);
-    hgros::NodeOptions node{std::string(c::TextOrNone(chosen.name)), {}, c::ExecutorOf(chosen.executor)};
-    if (chosen.most_waiting > 0) node.queue = hgros::Queue::KeepAll(static_cast<std::size_t>(chosen.most_waiting));
-    return std::make_unique<hgros_service>(hgros_service{on.session->ServeRaw(
+    auto made = std::make_unique<hgros_service>();
+    made->service = on.session->ServeRaw(
         served, c::SchemaIn(request, "request"), c::SchemaIn(reply, "reply"),
         [handler, kept, life = on.life](const hgros::RawMessage& asked) {
           const c::InCallback inside(life.get());
           return c::Handle(handler, *kept, asked);
         },
-        chosen.concurrent != 0 ? hgros::Invoke::kConcurrent : hgros::Invoke::kSerial, std::move(node), c::kFromC)});
+        chosen.concurrent != 0 ? hgros::Invoke::kConcurrent : hgros::Invoke::kSerial,
+        c::NodeOptionsOf(chosen, c::ExecutorOf(chosen.executor)), c::kFromC);
+    return made;
   });
+}
+
+hgros_status hgros_serve_queue(hgros_session* session, const char* name, const hgros_schema* request,
+                               const hgros_schema* reply, const hgros_serve_options* options, hgros_service** service) {
+  return c::Creating(service, [&] {
+    const hgros_session& on = c::Opened(session);
+    const std::string_view served = c::Text(name, "name");
+    const hgros_serve_options chosen = c::OptionsFrom(options);
+    if (chosen.concurrent != 0 || chosen.executor != 0) {
+      throw c::InvalidArgument("A service without a handler has set concurrent or executor. Leave them 0.");
+    }
+    auto made = std::make_unique<hgros_service>();
+    made->desk = std::make_shared<c::RequestDesk>(on.life);
+    made->service = on.session->ServeRaw(
+        served, c::SchemaIn(request, "request"), c::SchemaIn(reply, "reply"),
+        [desk = made->desk](const hgros::RawMessage& asked) { return desk->Handle(asked); }, hgros::Invoke::kSerial,
+        c::NodeOptionsOf(chosen, hgros::Executor::Dedicated()), c::kFromC);
+    on.life->Add(made->desk);
+    return made;
+  });
+}
+
+hgros_status hgros_service_take(hgros_service* service, int64_t timeout_ns, hgros_message** request,
+                                hgros_reply** reply) {
+  if (request != nullptr) *request = nullptr;
+  if (reply != nullptr) *reply = nullptr;
+  return c::Guarded([&] {
+    const hgros_service& of = c::Given(service, "service");
+    hgros_message*& taken = c::Given(request, "the place for the request");
+    hgros_reply*& place = c::Given(reply, "the place for the reply");
+    if (!of.desk) throw c::InvalidArgument("The service has a handler. Use hgros_serve_queue() to take requests.");
+    return of.desk->Take(timeout_ns, taken, place);
+  });
+}
+
+int32_t hgros_service_descriptor(const hgros_service* service) {
+  return service == nullptr || !service->desk ? -1 : service->desk->descriptor();
+}
+
+void hgros_service_end(hgros_service* service) {
+  if (service == nullptr || !service->desk || service->desk->in_forked_child()) return;
+  service->desk->Stop();
 }
 
 void hgros_service_close(hgros_service* service) { delete service; }

@@ -1,17 +1,16 @@
 #include "hgros/c/subscribe.h"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <limits>
 #include <system_error>
 
 #include "c/executors.hpp"
 #include "c/handles.hpp"
 #include "c/raw.hpp"
+#include "c/readable.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/session/session_parts.hpp"
@@ -134,19 +133,6 @@ void Wire(hgros_subscription& made, Session& session, std::string_view channel, 
         if (gate->Passes(raw->schema)) callback(std::move(raw), info);
       }),
       std::move(node), kFromC);
-}
-
-// False if the timeout came first.
-bool AwaitReadable(int descriptor, std::chrono::steady_clock::time_point deadline) {
-  for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
-    const auto most = std::int64_t{std::numeric_limits<int>::max()};
-    pollfd one{descriptor, POLLIN, 0};
-    const int ready = poll(&one, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, most)));
-    if (ready > 0) return true;
-    if (ready < 0 && errno != EINTR) throw Error("poll() has failed: " + std::generic_category().message(errno) + ".");
-    if (ready == 0 && left <= 0) return false;
-  }
 }
 
 hgros_status Take(hgros_subscription& queue, std::int64_t timeout_ns, hgros_message*& taken) {

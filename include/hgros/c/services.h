@@ -12,12 +12,13 @@ extern "C" {
 
 /// Offers a service.
 typedef struct hgros_service hgros_service;
-/// The reply that a handler makes. Valid until the handler returns.
+/// The place for the reply to one request. That of a handler is valid until the handler returns.
 typedef struct hgros_reply hgros_reply;
 
 /// Handles a request on a thread of the library. It calls one of the two functions below, once, on this thread.
 typedef void (*hgros_service_handler)(void* user, const hgros_message* request, hgros_reply* reply);
-/// Replies with a copy of the bytes.
+/// Replies with a copy of the bytes. Errors of both: HGROS_INVALID_ARGUMENT if the request has its reply already;
+/// HGROS_CLOSED if it was taken and the service has ended meanwhile.
 hgros_status hgros_reply_set(hgros_reply* reply, const void* data, size_t size);
 /// The caller gets HGROS_HANDLER_FAILED with this sentence.
 hgros_status hgros_reply_fail(hgros_reply* reply, const char* sentence);
@@ -37,6 +38,27 @@ hgros_status hgros_serve(hgros_session* session, const char* name, const hgros_s
                          void* user, hgros_release release, hgros_service** service);
 /// Requests that wait fail. Outside callbacks it waits for the running handlers.
 void hgros_service_close(hgros_service* service);
+
+/// The same without a handler, for programs that cannot be called by threads of the library: requests wait until they
+/// are taken. They are handed out one at a time: the next one once the reply to the last one is set. `concurrent` and
+/// `executor` must be 0.
+hgros_status hgros_serve_queue(hgros_session* session, const char* name, const hgros_schema* request,
+                               const hgros_schema* reply, const hgros_serve_options* options, hgros_service** service);
+/// Takes the oldest request, which the caller frees as any message, and the place for its reply: any thread calls
+/// hgros_reply_set() or hgros_reply_fail() on it once, then hgros_reply_free(). A thread that takes requests must not
+/// call its own service meanwhile: it would wait for itself until the call times out.
+/// Errors: HGROS_TIMED_OUT if none came; HGROS_CLOSED once the service or its session has ended.
+hgros_status hgros_service_take(hgros_service* service, int64_t timeout_ns, hgros_message** request,
+                                hgros_reply** reply);
+/// A descriptor that is readable while a request can be taken, and once the service has ended. Neither read, write nor
+/// close it. Valid as long as the handle. -1 for a service with a handler, and for NULL.
+int32_t hgros_service_descriptor(const hgros_service* service);
+/// Frees a place that hgros_service_take() has given. The caller of a request without a reply gets
+/// HGROS_HANDLER_FAILED.
+void hgros_reply_free(hgros_reply* reply);
+/// Ends a service without a handler and wakes threads that wait in hgros_service_take(): requests that wait fail, also
+/// one that was taken and has no reply. The handle stays. May be called while other threads use it.
+void hgros_service_end(hgros_service* service);
 
 /// Calls the service `name` with a copy of the bytes and waits for the reply, which the caller frees. `reply_schema`:
 /// the expected type; NULL: any. Inside a callback the thread meanwhile handles requests of its own session, so that it

@@ -1,0 +1,154 @@
+#include <poll.h>
+
+#include <thread>
+
+#include "c/c_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Await;
+using test::LastError;
+using test::LogLines;
+
+constexpr std::int64_t kLong = 20'000'000'000;
+
+struct Taken {
+  hgros_status status = HGROS_OK;
+  test::MessageHandle request;
+  std::unique_ptr<hgros_reply, test::Ends<hgros_reply_free>> reply;
+};
+
+class CServiceQueue : public testing::Test {
+ protected:
+  test::ServiceHandle Serve() {
+    hgros_service* service = nullptr;
+    EXPECT_EQ(hgros_serve_queue(session.get(), "ask", text.get(), text.get(), nullptr, &service), HGROS_OK)
+        << LastError();
+    return test::ServiceHandle(service);
+  }
+  static Taken Take(const test::ServiceHandle& service, std::int64_t timeout_ns = kLong) {
+    hgros_message* request = nullptr;
+    hgros_reply* reply = nullptr;
+    Taken taken;
+    taken.status = hgros_service_take(service.get(), timeout_ns, &request, &reply);
+    taken.request.reset(request);
+    taken.reply.reset(reply);
+    return taken;
+  }
+  static bool IsReadable(const test::ServiceHandle& service) {
+    pollfd one{hgros_service_descriptor(service.get()), POLLIN, 0};
+    return poll(&one, 1, 0) == 1;
+  }
+  // Calls on a thread of its own. The reply, or the status with its sentence, is added to `replies`.
+  std::thread Caller(const test::SessionHandle& from, std::string request) {
+    return std::thread([this, &from, request = std::move(request)] {
+      hgros_message* reply = nullptr;
+      const hgros_status status =
+          hgros_call(from.get(), "ask", text.get(), request.data(), request.size(), text.get(), kLong, &reply);
+      const test::MessageHandle owned(reply);
+      replies.Add(status == HGROS_OK ? test::TextOf(reply) : hgros_status_name(status) + (": " + LastError()));
+    });
+  }
+
+  std::string yaml = test::DomainYaml();
+  LogLines log;
+  LogLines others_log;
+  test::SessionHandle session = test::Open(yaml, log);
+  test::SchemaHandle text = test::TextSchema();
+  test::Texts replies;
+};
+
+TEST_F(CServiceQueue, RequestsOfBothSessionsAreTakenAndAnsweredByTheProgram) {
+  const auto service = Serve();
+  const auto other = test::Open(yaml, others_log, "other");
+  EXPECT_FALSE(IsReadable(service));
+  EXPECT_EQ(Take(service, 0).status, HGROS_TIMED_OUT);
+  for (const test::SessionHandle* const from : std::initializer_list<const test::SessionHandle*>{&session, &other}) {
+    std::thread caller = Caller(*from, "hello");
+    EXPECT_TRUE(Await([&] { return IsReadable(service); }));
+    const Taken taken = Take(service);
+    ASSERT_EQ(taken.status, HGROS_OK) << LastError();
+    EXPECT_FALSE(IsReadable(service));
+    EXPECT_EQ(test::TextOf(taken.request.get()), "hello");
+    EXPECT_EQ(hgros_reply_set(taken.reply.get(), "world", 5), HGROS_OK);
+    EXPECT_EQ(hgros_reply_set(taken.reply.get(), "world", 5), HGROS_INVALID_ARGUMENT);
+    caller.join();
+  }
+  EXPECT_EQ(replies.all(), std::vector<std::string>(2, "world"));
+}
+
+TEST_F(CServiceQueue, NextRequestIsHandedOutAfterTheReply) {
+  const auto service = Serve();
+  std::thread first = Caller(session, "1");
+  Taken one = Take(service);
+  std::thread second = Caller(session, "2");
+  EXPECT_EQ(Take(service, 20'000'000).status, HGROS_TIMED_OUT);
+  EXPECT_EQ(hgros_reply_set(one.reply.get(), "one", 3), HGROS_OK);
+  first.join();
+  const Taken two = Take(service);
+  EXPECT_EQ(test::TextOf(two.request.get()), "2");
+  EXPECT_EQ(hgros_reply_set(two.reply.get(), "two", 3), HGROS_OK);
+  second.join();
+  EXPECT_EQ(replies.all(), (std::vector<std::string>{"one", "two"}));
+}
+
+TEST_F(CServiceQueue, FailureAndDroppedRequestTellTheCaller) {
+  const auto service = Serve();
+  std::thread first = Caller(session, "1");
+  EXPECT_EQ(hgros_reply_fail(Take(service).reply.get(), "The arm is folded."), HGROS_OK);
+  first.join();
+  std::thread second = Caller(session, "2");
+  EXPECT_EQ(Take(service).status, HGROS_OK);  // The place for the reply is freed at once.
+  second.join();
+  const auto all = replies.all();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_NE(all[0].find("handler failed: The arm is folded."), std::string::npos) << all[0];
+  EXPECT_NE(all[1].find("dropped the request"), std::string::npos) << all[1];
+}
+
+TEST_F(CServiceQueue, EndWakesItsThreadsAndFailsWhatWaits) {
+  const auto service = Serve();
+  std::thread caller = Caller(session, "1");
+  Taken taken = Take(service);
+  std::thread taker([&] { EXPECT_EQ(Take(service).status, HGROS_CLOSED); });
+  hgros_service_end(service.get());
+  taker.join();
+  caller.join();
+  EXPECT_TRUE(IsReadable(service));
+  EXPECT_EQ(hgros_reply_set(taken.reply.get(), "late", 4), HGROS_CLOSED);
+  EXPECT_NE(replies.all().at(0).find("The service has ended."), std::string::npos) << replies.all()[0];
+}
+
+TEST_F(CServiceQueue, EndsWithItsSession) {
+  const auto service = Serve();
+  const auto other = test::Open(yaml, others_log, "other");
+  std::thread caller = Caller(other, "1");
+  const Taken taken = Take(service);
+  std::thread taker([&] { EXPECT_EQ(Take(service).status, HGROS_CLOSED); });
+  hgros_session_end(session.get());
+  taker.join();
+  session.reset();
+  caller.join();
+  EXPECT_EQ(hgros_reply_set(taken.reply.get(), "late", 4), HGROS_CLOSED);
+  EXPECT_EQ(Take(service).status, HGROS_CLOSED);
+}
+
+TEST_F(CServiceQueue, OptionsOfHandlersAreRefused) {
+  hgros_serve_options options{};
+  options.size = sizeof options;
+  options.concurrent = 1;
+  hgros_service* service = nullptr;
+  EXPECT_EQ(hgros_serve_queue(session.get(), "ask", text.get(), text.get(), &options, &service),
+            HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(service, nullptr);
+  const auto ignore = [](void*, const hgros_message*, hgros_reply*) {};
+  ASSERT_EQ(hgros_serve(session.get(), "ask", text.get(), text.get(), nullptr, ignore, nullptr, nullptr, &service),
+            HGROS_OK);
+  const test::ServiceHandle owned(service);
+  EXPECT_EQ(hgros_service_descriptor(service), -1);
+  EXPECT_EQ(Take(owned, 0).status, HGROS_INVALID_ARGUMENT);
+}
+
+}  // namespace
+}  // namespace hgros

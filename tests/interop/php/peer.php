@@ -1,0 +1,264 @@
+<?php
+// The peer in PHP. ../README.md says what each role does.
+
+declare(strict_types=1);
+
+use Foxglove\Log;
+use Foxglove\PointCloud;
+use Foxglove\PoseInFrame;
+use Hgros\HgrosException;
+use Hgros\Session;
+use Hgros\Status;
+
+const PATIENCE = 30.0; // seconds
+const SLICE = 0.1;
+const ROOM = 100;
+
+function say(string $line): void
+{
+    fwrite(STDOUT, "$line\n");
+}
+
+/** The bytes of a cloud. */
+function pattern(int $size): string
+{
+    $period = implode('', array_map(static fn (int $i): string => chr($i * 7 + 3 & 255), range(0, 255)));
+    return substr(str_repeat($period, intdiv($size, 256) + 1), 0, $size);
+}
+
+/** The sum of all bytes. */
+function sum(string $bytes): int
+{
+    return array_sum(array_map(static fn (int $value, int $count): int => $value * $count, range(0, 255),
+        count_chars($bytes)));
+}
+
+/** The lines of standard input, which is read without a buffer so that streams can be waited for together. */
+final class Input
+{
+    private string $text = '';
+    private bool $ended = false;
+
+    /** Whether there is a next line, or the end, within the timeout; without one it waits for that. */
+    public function waits(?float $timeout = null): bool
+    {
+        return $this->waitsBeside(null, $timeout);
+    }
+
+    /** The same, but it also ends with false when another stream is readable. */
+    public function waitsBeside(mixed $other, ?float $timeout = null): bool
+    {
+        while (!$this->ended && !str_contains($this->text, "\n")) {
+            $read = array_filter([STDIN, $other]);
+            [$write, $except] = [null, null];
+            stream_select($read, $write, $except, $timeout === null ? null : (int) $timeout,
+                $timeout === null ? null : (int) (fmod($timeout, 1.0) * 1e6));
+            if (!in_array(STDIN, $read, true)) {
+                return false;
+            }
+            $part = fread(STDIN, 4096);
+            $this->text .= $part;
+            $this->ended = $part === '';
+        }
+        return true;
+    }
+
+    public function next(): ?string
+    {
+        $this->waits();
+        $end = strpos($this->text, "\n");
+        if ($end === false) {
+            return null;
+        }
+        $line = substr($this->text, 0, $end);
+        $this->text = substr($this->text, $end + 1);
+        return $line;
+    }
+}
+
+final class Peer
+{
+    private readonly Input $input;
+
+    public function __construct(private readonly Session $session)
+    {
+        stream_set_read_buffer(STDIN, 0);
+        $this->input = new Input();
+    }
+
+    public function run(string $role, string ...$arguments): void
+    {
+        match ($role) {
+            'talk' => $this->talk(),
+            'publish' => $this->publish(...$arguments),
+            'subscribe' => $this->subscribe(...$arguments),
+            'latch' => $this->latch(...$arguments),
+            'late' => $this->late(...$arguments),
+            'bulk-publish' => $this->bulkPublish(...$arguments),
+            'bulk-subscribe' => $this->bulkSubscribe(...$arguments),
+            'serve' => $this->serve(...$arguments),
+            'call' => $this->call(...$arguments),
+            'misfit' => $this->misfit(...$arguments),
+            'stream' => $this->stream(...$arguments),
+            'follow' => $this->follow(...$arguments),
+            default => throw new RuntimeException("There is no role $role."),
+        };
+    }
+
+    private function talk(): void
+    {
+        say('ready');
+        while (($line = $this->input->next()) !== null) {
+            if (trim($line) !== '') {
+                $this->run(...preg_split('/ +/', trim($line)));
+            }
+        }
+    }
+
+    private function publish(string $channel, string $count): void
+    {
+        $publisher = $this->session->advertise($channel, Log::class);
+        $this->session->waitForSubscribers($channel, 1, PATIENCE);
+        for ($number = 1; $number <= (int) $count; ++$number) {
+            $publisher->publishWait(new Log(['message' => (string) $number]), PATIENCE);
+        }
+        say("published $count");
+        $this->input->waits();
+    }
+
+    private function subscribe(string $channel, string $count): void
+    {
+        $queue = $this->session->subscribe($channel, Log::class, keepAll: ROOM);
+        say('subscribed');
+        for ($number = 1; $number <= (int) $count; ++$number) {
+            $came = $queue->take(PATIENCE)?->getMessage() ?? 'nothing';
+            if ($came !== (string) $number) {
+                throw new RuntimeException("\"$came\" came, not $number.");
+            }
+        }
+        say("received $count");
+    }
+
+    private function latch(string $channel, string $text): void
+    {
+        $publisher = $this->session->advertise($channel, Log::class, latched: 1);
+        $publisher->publish(new Log(['message' => $text]));
+        say('latched');
+        $this->input->waits();
+    }
+
+    private function late(string $channel): void
+    {
+        $log = $this->session->subscribe($channel, Log::class)->take(PATIENCE)
+            ?? throw new RuntimeException("Nothing came on $channel.");
+        say("late {$log->getMessage()}");
+    }
+
+    private function bulkPublish(string $channel, string $size): void
+    {
+        $publisher = $this->session->advertise($channel, PointCloud::class);
+        $this->session->waitForSubscribers($channel, 1, PATIENCE);
+        $cloud = new PointCloud(['point_stride' => 1, 'data' => pattern((int) $size)]);
+        $publisher->publishWait($cloud, PATIENCE);
+        say("published $size");
+        $this->input->waits();
+    }
+
+    private function bulkSubscribe(string $channel, string $size): void
+    {
+        $queue = $this->session->subscribe($channel, PointCloud::class, keepAll: ROOM);
+        say('subscribed');
+        $data = $queue->take(PATIENCE)?->getData() ?? throw new RuntimeException("Nothing came on $channel.");
+        $expected = pattern((int) $size);
+        if (strlen($data) !== (int) $size || $data[0] !== $expected[0] || $data[-1] !== $expected[-1]
+            || sum($data) !== sum($expected)) {
+            throw new RuntimeException('The cloud has ' . strlen($data) . ' bytes, or other ones.');
+        }
+        say("received $size");
+    }
+
+    private function serve(string $name): void
+    {
+        $service = $this->session->serve($name, Log::class, Log::class, static function (Log $request): Log {
+            if ($request->getMessage() === 'fail') {
+                throw new RuntimeException('asked to fail');
+            }
+            return new Log(['message' => "re: {$request->getMessage()}"]);
+        });
+        say('serving');
+        $stream = $service->stream();
+        while (!$this->input->waitsBeside($stream)) {
+            $service->handle(0.0);
+        }
+        $service->close();
+    }
+
+    private function call(string $name, string $text): void
+    {
+        $end = hrtime(true) + PATIENCE * 1e9;
+        while (true) {
+            try {
+                $answer = $this->session->call($name, new Log(['message' => $text]), Log::class, PATIENCE);
+                say("answer {$answer->getMessage()}");
+                return;
+            } catch (HgrosException $failure) {
+                if ($failure->status !== Status::NoServer || hrtime(true) > $end) {
+                    say("failed {$failure->getMessage()}");
+                    return;
+                }
+            }
+            if ($this->input->waits(0.01)) {
+                throw new RuntimeException("Nobody serves $name.");
+            }
+        }
+    }
+
+    private function misfit(string $channel): void
+    {
+        $queue = $this->session->subscribe($channel, PoseInFrame::class);
+        say('subscribed');
+        $this->input->waits();
+        $queue->close();
+    }
+
+    private function stream(string $channel): void
+    {
+        $publisher = $this->session->advertise($channel, Log::class);
+        $this->session->waitForSubscribers($channel, 1, PATIENCE);
+        for ($sent = 0; !$this->input->waits(0.0);) {
+            try {
+                $publisher->publishWait(new Log(['message' => (string) ($sent + 1)]), SLICE);
+            } catch (HgrosException $full) {
+                if ($full->status !== Status::TimedOut) {
+                    throw $full;
+                }
+                continue;
+            }
+            if (++$sent === 1) {
+                say('streaming');
+            }
+        }
+        say("streamed $sent");
+    }
+
+    private function follow(string $channel): void
+    {
+        $queue = $this->session->subscribe($channel, Log::class, keepAll: ROOM);
+        $stream = $queue->stream();
+        for ($count = 0; !$this->input->waitsBeside($stream);) {
+            while ($queue->take(0.0) !== null) {
+                if (++$count === 1) {
+                    say('following');
+                }
+            }
+        }
+        say("followed $count");
+    }
+}
+
+try {
+    (new Peer(Session::open(getenv('HGROS_INTEROP_YAML') ?: '')))->run(...array_slice($argv, 1));
+} catch (Throwable $fault) {
+    fwrite(STDERR, "peer: {$fault->getMessage()}\n");
+    exit(1);
+}

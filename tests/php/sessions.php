@@ -1,0 +1,249 @@
+<?php
+
+declare(strict_types=1);
+
+use Foxglove\Log;
+use Hgros\LogLevel;
+use Hgros\Schema;
+use Hgros\Session;
+use Hgros\Status;
+use Hgros\Transform;
+
+function ErrorsHaveAStatusAndASentence(): void
+{
+    expectFailure(Status::ConfigError, 'sesion', static fn () => Session::open('sesion: {}'));
+    expectFailure(Status::ConfigError, '/no/such.yaml', static fn () => Session::openFiles(['/no/such.yaml']));
+    expectFailure(Status::Error, '', static fn () => Session::open()->advertise('a channel', Log::class));
+    $session = Session::open('', 'robot');
+    expectEqual('robot', $session->name());
+    expectFailure(Status::TimedOut, 'words', static function () use ($session): void {
+        $publisher = $session->advertise('words', Log::class);
+        $session->waitForSubscribers('words', 1, 0.01);
+    });
+    $session->setLogLevel(LogLevel::Error);
+    $session->log(LogLevel::Info, 'This is not written.');
+}
+
+function HandlesCannotBeCopied(): void
+{
+    $session = Session::open();
+    foreach ([static fn () => clone $session, static fn () => serialize($session)] as $copy) {
+        try {
+            $copy();
+        } catch (Throwable) {
+            continue;
+        }
+        throw new RuntimeException('A session was copied.');
+    }
+    expect($session->id() !== 0);
+}
+
+function FilesAreMerged(): void
+{
+    $file = tempnam(sys_get_temp_dir(), 'hgros');
+    file_put_contents($file, "data_graph: {threads: 1}\n");
+    try {
+        expectEqual('from file', Session::openFiles([$file, $file], 'from file')->name());
+    } finally {
+        unlink($file);
+    }
+}
+
+function ClosedObjectsThrow(): void
+{
+    [$session, $other] = pair();
+    $schema = Schema::raw('bytes');
+    $publisher = $session->advertiseRaw('bytes', $schema);
+    $queue = $session->subscribeRaw('bytes');
+    $service = $session->serve('ask', Log::class, Log::class, static fn (Log $log): Log => $log);
+    $params = $session->params();
+    $transforms = $session->transforms();
+    $calls = [
+        static fn () => $publisher->publish('x'),
+        static fn () => $queue->take(0.0),
+        static fn () => $service->handle(0.0),
+        static fn () => $params->yaml(),
+        static fn () => $transforms->lookup('a', 'b'),
+    ];
+    $session->end();
+    foreach ($calls as $call) {
+        expectFailure(Status::Closed, '', $call);
+    }
+    expectEqual([], iterator_to_array($queue));
+    $service->run();
+    $session->close();
+    $session->close();
+    foreach ($calls as $call) {
+        expectFailure(Status::Closed, '', $call);
+    }
+    foreach ([$publisher, $queue, $service, $params, $transforms] as $handle) {
+        $handle->close();
+        $handle->close();
+    }
+    foreach ($calls as $call) {
+        expectFailure(Status::Closed, 'closed before', $call);
+    }
+    expectFailure(Status::Closed, 'Session', static fn () => $session->subscribeRaw('bytes'));
+    expect($other->id() !== 0);
+}
+
+function SignalHandlerEndsAWait(): void
+{
+    $session = Session::open();
+    $queue = $session->subscribeRaw('bytes');
+    $signals = 0;
+    pcntl_async_signals(true);
+    pcntl_signal(SIGUSR1, static function () use ($session, &$signals): void {
+        if (++$signals === 3) {
+            $session->end();
+        }
+    });
+    $sender = new Program('sh', '-c', 'while kill -USR1 ' . getmypid() . '; do sleep 0.05; done');
+    expectFailure(Status::Closed, '', static fn () => $queue->take());
+    expect($signals >= 3, $signals);
+}
+
+function StreamsWakeAnEventLoop(): void
+{
+    [$from, $to] = pair();
+    $queue = $to->subscribe('words', Log::class, keepAll: 10);
+    $service = $to->serve('ask', Log::class, Log::class, static fn (Log $log): Log => text("re: {$log->getMessage()}"));
+    [$words, $requests] = [$queue->stream(), $service->stream()];
+    $select = static function (int $seconds) use ($words, $requests): array {
+        $read = ['words' => $words, 'requests' => $requests];
+        [$write, $except] = [null, null];
+        stream_select($read, $write, $except, $seconds);
+        return array_keys($read);
+    };
+    expectEqual([], $select(0));
+    $publisher = $from->advertise('words', Log::class);
+    $from->waitForSubscribers('words', 1, PATIENCE);
+    $publisher->publish(text('1'));
+    $publisher->publish(text('2'));
+    expectEqual(['words'], $select((int) PATIENCE));
+    expectEqual('1', $queue->take(0.0)?->getMessage());
+    expectEqual(['words'], $select((int) PATIENCE));
+    expectEqual('2', $queue->take(0.0)?->getMessage());
+    expectEqual([], $select(0));
+    $caller = Program::peer('call', 'ask', 'hello');
+    expectEqual(['requests'], $select((int) PATIENCE));
+    expectEqual(true, $service->handle(0.0));
+    expectEqual([], $select(0));
+    expectEqual('answer re: hello', $caller->line());
+    $caller->finish();
+    $to->end();
+    expectEqual(['words', 'requests'], $select((int) PATIENCE));
+}
+
+function ForkedChildLeavesTheSessionToItsParent(): void
+{
+    [$from, $to] = pair();
+    $queue = $to->subscribe('words', Log::class);
+    $publisher = $from->advertise('words', Log::class);
+    $from->waitForSubscribers('words', 1, PATIENCE);
+    $child = pcntl_fork();
+    if ($child === 0) {
+        expectFailure(Status::Closed, '', static fn () => $publisher->publish(text('of the child')));
+        expectFailure(Status::Closed, '', static fn () => $queue->take(0.0));
+        exit(0); // Closes all that it has inherited.
+    }
+    pcntl_waitpid($child, $status);
+    expectEqual(0, pcntl_wexitstatus($status));
+    $publisher->publish(text('of the parent'));
+    expectEqual('of the parent', $queue->take(PATIENCE)?->getMessage());
+}
+
+function ParametersAreDeclaredAndSet(): void
+{
+    $file = tempnam(sys_get_temp_dir(), 'hgros');
+    file_put_contents($file, "wheel: {radius: 0.25}\n");
+    try {
+        $params = Session::open()->params($file);
+        $params->declare('wheel.radius', 0.1, description: 'Of the wheel', unit: 'm', most: 1.0);
+        $params->declare('wheel.count', 4);
+        $params->declare('name', "it's: \"mine\" / ü");
+        $params->declare('gains', [1, 2.5], least: 0.0);
+        $params->declare('on', true, readOnly: true);
+        $params->declare('mode', 'slow', choices: ['slow', 'fast']);
+        expectEqual([0.25, 4, "it's: \"mine\" / ü", '[1.0, 2.5]', true], [$params->number('wheel.radius'),
+            $params->integer('wheel.count'), $params->text('name'), $params->yaml('gains'), $params->bool('on')]);
+        $params->set('wheel.radius', 0.5);
+        $params->set('gains', [3.0, 4.0]);
+        $params->set('mode', 'fast');
+        $params->setYaml('wheel', '{radius: 0.75, count: 6}');
+        expectEqual([0.75, 6, '[3.0, 4.0]', 'fast'], [$params->number('wheel.radius'), $params->integer('wheel.count'),
+            $params->yaml('gains'), $params->text('mode')]);
+        expectFailure(Status::Refused, '1', static fn () => $params->set('wheel.radius', 2.0));
+        expectFailure(Status::Refused, 'fast', static fn () => $params->set('mode', 'fat'));
+        expectFailure(Status::Refused, '', static fn () => $params->set('on', false));
+        expectFailure(Status::Refused, 'none', static fn () => $params->bool('none'));
+        expectFailure(Status::InvalidArgument, '', static fn () => $params->set('gains', [NAN]));
+        $params->remove('wheel.count');
+        expectEqual(4, $params->integer('wheel.count'));
+        $params->save();
+        expect(str_contains(file_get_contents($file), 'fast'));
+    } finally {
+        unlink($file);
+    }
+}
+
+function ParametersOfAnotherSession(): void
+{
+    $robot = Session::open('', 'robot');
+    $tool = Session::open();
+    $own = $robot->params();
+    $own->declare('speed', 1);
+    $theirs = $tool->paramsOf('robot', PATIENCE);
+    awaitUntil('the parameter can be set', static function () use ($theirs): bool {
+        try {
+            $theirs->set('speed', 7);
+            return true;
+        } catch (Hgros\HgrosException) {
+            return false;
+        }
+    });
+    expectEqual(7, $own->integer('speed'));
+}
+
+function TransformsAreFoundByName(): void
+{
+    [$robot, $tool] = pair();
+    [$sent, $seen] = [$robot->transforms(), $tool->transforms()];
+    $sent->setStatic('map', 'base', new Transform([1.0, 2.0, 3.0]));
+    $found = $seen->wait('map', 'base', 0, PATIENCE);
+    expectEqual([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0, 1.0]], [$found->translation, $found->rotation]);
+    $now = $robot->now();
+    $sent->set('base', 'arm', new Transform([0.0, 0.0, 1.0], stamp: $now));
+    $found = $sent->lookup('map', 'arm', $now);
+    expectEqual([[1.0, 2.0, 4.0], $now], [$found->translation, $found->stamp]);
+    awaitUntil('the other session sees a frame that moves', static function () use ($robot, $sent, $seen): bool {
+        $sent->set('base', 'arm', new Transform([0.0, 0.0, 1.0], stamp: $robot->now()));
+        try {
+            return $seen->lookup('map', 'arm')->translation === [1.0, 2.0, 4.0];
+        } catch (Hgros\HgrosException) { // Not yet.
+            return false;
+        }
+    });
+    expectFailure(Status::UnknownFrame, 'moon', static fn () => $sent->lookup('map', 'moon'));
+    expectFailure(Status::TimedOut, 'moon', static fn () => $seen->wait('map', 'moon', 0, 0.02));
+    expectFailure(Status::InvalidArgument, '3 numbers', static fn () => $sent->setStatic('a', 'b', new Transform([])));
+    expectFailure(Status::Error, '', static fn () => $robot->transforms());
+}
+
+function PeersAndChannelsAreSeen(): void
+{
+    [$here, $there] = pair();
+    $queue = $here->subscribe('words', Log::class);
+    $publisher = $there->advertise('words', Log::class);
+    $here->waitForPublishers('words', 1, PATIENCE);
+    [$peer] = $here->peers();
+    expectEqual([$there->id(), getmypid(), 'shared memory'], [$peer->id, $peer->pid, $peer->transport]);
+    awaitUntil('the channel is known', static function () use ($here): bool {
+        foreach ($here->channels() as $channel) {
+            if ($channel->name === 'words' && $channel->typeName === 'foxglove.Log' && $channel->publishers === 1) {
+                return $channel->subscribers === 1 && $channel->encoding === Hgros\Encoding::Protobuf;
+            }
+        }
+        return false;
+    });
+}

@@ -1,0 +1,42 @@
+<?php
+
+declare(strict_types=1);
+
+/** Answers a request of the web with what the service "ask" says, in a session of its own. */
+if (PHP_SAPI !== 'cli') {
+    require ini_get('auto_prepend_file'); // Which this server ignores.
+    $session = Hgros\Session::open();
+    $reply = $session->call('ask', new Foxglove\Log(['message' => $_GET['text']]), Foxglove\Log::class, 5.0);
+    $session->close();
+    echo $reply->getMessage();
+    return;
+}
+
+function WebRequestsCallAServiceInShortSessions(): void
+{
+    callFromTheWeb('-d', 'ffi.enable=1');
+}
+
+function PreloadedBindingNeedsNoPermissionOfScripts(): void
+{
+    $preload = dirname(ini_get('auto_prepend_file')) . '/preload.php';
+    $user = posix_getpwuid(posix_geteuid())['name'];
+    callFromTheWeb('-d', 'ffi.enable=preload', '-d', 'opcache.enable_cli=1', '-d', "opcache.preload=$preload", '-d',
+        "opcache.preload_user=$user");
+}
+
+function callFromTheWeb(string ...$options): void
+{
+    $server = Program::peer('serve', 'ask');
+    expectEqual('serving', $server->line());
+    $listener = stream_socket_server('tcp://127.0.0.1:0');
+    $address = stream_socket_get_name($listener, false);
+    fclose($listener);
+    $web = new Program(PHP_BINARY, '-d', 'auto_prepend_file=' . ini_get('auto_prepend_file'), ...$options,
+        ...['-S', $address, __FILE__]);
+    awaitUntil('the web server answers', static fn (): bool => @fsockopen("tcp://$address") !== false);
+    for ($i = 0; $i < 20; ++$i) {
+        expectEqual("re: request $i", file_get_contents("http://$address/?text=request%20$i"));
+    }
+    $server->finish();
+}
