@@ -1,18 +1,16 @@
-// The peer of JavaScript for tests between languages: peer.js ROLE [ARGUMENT...]
+// The peer of JavaScript for tests between languages: peer.js ROLE [ARGUMENT...], or peer.js talk.
 'use strict';
+
+const readline = require('readline');
 
 const hgros = require('hgros');
 
 const PATIENCE = { timeout: 30000 };
 const KEEP_ALL = { keepAll: 100 };
+const LOG = 'foxglove.Log';
 
 const session = hgros.open(process.env.HGROS_INTEROP_YAML);
 const say = (line) => process.stdout.write(`${line}\n`);
-
-/** Ends with the program's standard input. */
-const closed = new Promise((resolve) => {
-  process.stdin.on('close', resolve).on('end', resolve).resume();
-});
 
 function ensure(holds, sentence) {
   if (!holds) throw new Error(sentence);
@@ -20,21 +18,83 @@ function ensure(holds, sentence) {
 
 const byteAt = (i) => (i * 7 + 3) & 255;
 
-function advertise(channel, type = 'foxglove.Log', options = undefined) {
-  return session.advertise(channel, type, options);
+/** The lines of standard input that no role has read. */
+class Input {
+  #lines = [];
+  #over = false;
+  #waiting = [];
+
+  constructor() {
+    const wake = () => {
+      for (const resolve of this.#waiting.splice(0)) resolve();
+    };
+    readline.createInterface({ input: process.stdin })
+      .on('line', (line) => {
+        this.#lines.push(line);
+        wake();
+      })
+      .on('close', () => {
+        this.#over = true;
+        wake();
+      });
+  }
+
+  async end() {
+    while (!this.#over) await new Promise((resolve) => this.#waiting.push(resolve));
+  }
+
+  /** A line to read, or the end. */
+  async lineOrEnd() {
+    while (this.#lines.length === 0 && !this.#over) await new Promise((resolve) => this.#waiting.push(resolve));
+  }
+
+  async read() {
+    await this.lineOrEnd();
+    return this.#lines.shift();
+  }
+}
+
+/** What one role has opened, and the end of its waiting. */
+class Turn {
+  #opened = [];
+
+  constructor(ended) {
+    this.ended = ended;
+  }
+
+  #keep(part) {
+    this.#opened.push(part);
+    return part;
+  }
+
+  advertise(channel, type, options) {
+    return this.#keep(session.advertise(channel, type, options));
+  }
+
+  subscribe(channel, type) {
+    return this.#keep(session.subscribe(channel, type, KEEP_ALL));
+  }
+
+  serve(name, handler) {
+    return this.#keep(session.serve(name, LOG, LOG, handler));
+  }
+
+  async close() {
+    for (const part of this.#opened) await part.close();
+  }
 }
 
 const ROLES = {
-  async publish(channel, count) {
-    const publisher = advertise(channel);
+  async publish(turn, channel, count) {
+    const publisher = turn.advertise(channel, LOG);
     await session.waitForSubscribers(channel, 1, PATIENCE);
     for (let i = 1; i <= Number(count); ++i) await publisher.publishWait({ message: String(i) }, PATIENCE);
     say(`published ${count}`);
-    await closed;
+    await turn.ended;
   },
 
-  async subscribe(channel, count) {
-    const subscription = session.subscribe(channel, 'foxglove.Log', KEEP_ALL);
+  async subscribe(turn, channel, count) {
+    const subscription = turn.subscribe(channel, LOG);
     say('subscribed');
     for (let i = 1; i <= Number(count); ++i) {
       const { message } = await subscription.take(PATIENCE);
@@ -43,29 +103,29 @@ const ROLES = {
     say(`received ${count}`);
   },
 
-  async latch(channel, text) {
-    advertise(channel, 'foxglove.Log', { latched: 1 }).publish({ message: text });
+  async latch(turn, channel, text) {
+    turn.advertise(channel, LOG, { latched: 1 }).publish({ message: text });
     say('latched');
-    await closed;
+    await turn.ended;
   },
 
-  async late(channel) {
-    const { message } = await session.subscribe(channel, 'foxglove.Log', KEEP_ALL).take(PATIENCE);
+  async late(turn, channel) {
+    const { message } = await turn.subscribe(channel, LOG).take(PATIENCE);
     say(`late ${message.message}`);
   },
 
-  async 'bulk-publish'(channel, size) {
-    const publisher = advertise(channel, 'foxglove.PointCloud');
+  async 'bulk-publish'(turn, channel, size) {
+    const publisher = turn.advertise(channel, 'foxglove.PointCloud');
     const data = Buffer.alloc(Number(size));
     for (let i = 0; i < data.length; ++i) data[i] = byteAt(i);
     await session.waitForSubscribers(channel, 1, PATIENCE);
     await publisher.publishWait({ data, pointStride: 1 }, PATIENCE);
     say(`published ${size}`);
-    await closed;
+    await turn.ended;
   },
 
-  async 'bulk-subscribe'(channel, size) {
-    const subscription = session.subscribe(channel, 'foxglove.PointCloud', KEEP_ALL);
+  async 'bulk-subscribe'(turn, channel, size) {
+    const subscription = turn.subscribe(channel, 'foxglove.PointCloud');
     say('subscribed');
     const { message } = await subscription.take(PATIENCE);
     const { data } = message;
@@ -78,20 +138,20 @@ const ROLES = {
     say(`received ${data.length}`);
   },
 
-  async serve(name) {
-    session.serve(name, 'foxglove.Log', 'foxglove.Log', ({ message }) => {
+  async serve(turn, name) {
+    turn.serve(name, ({ message }) => {
       if (message === 'fail') throw new Error('asked to fail');
       return { message: `re: ${message}` };
     });
     say('serving');
-    await closed;
+    await turn.ended;
   },
 
-  async call(name, text) {
+  async call(turn, name, text) {
     const end = Date.now() + PATIENCE.timeout;
     for (;;) {
       try {
-        const reply = await session.call(name, 'foxglove.Log', 'foxglove.Log', { message: text }, PATIENCE);
+        const reply = await session.call(name, LOG, LOG, { message: text }, PATIENCE);
         return say(`answer ${reply.message}`);
       } catch (error) {
         if (error.code !== 'HGROS_NO_SERVER' || Date.now() > end) return say(`failed ${error.message}`);
@@ -100,16 +160,16 @@ const ROLES = {
     }
   },
 
-  async misfit(channel) {
-    session.subscribe(channel, 'foxglove.PoseInFrame', KEEP_ALL);
+  async misfit(turn, channel) {
+    turn.subscribe(channel, 'foxglove.PoseInFrame');
     say('subscribed');
-    await closed;
+    await turn.ended;
   },
 
-  async stream(channel) {
-    const publisher = advertise(channel);
+  async stream(turn, channel) {
+    const publisher = turn.advertise(channel, LOG);
     let ended = false;
-    closed.then(() => { ended = true; });
+    turn.ended.then(() => { ended = true; });
     await session.waitForSubscribers(channel, 1, PATIENCE);
     let count = 0;
     while (!ended) {
@@ -124,9 +184,9 @@ const ROLES = {
     say(`streamed ${count}`);
   },
 
-  async follow(channel) {
-    const subscription = session.subscribe(channel, 'foxglove.Log', KEEP_ALL);
-    closed.then(() => subscription.close());
+  async follow(turn, channel) {
+    const subscription = turn.subscribe(channel, LOG);
+    turn.ended.then(() => subscription.close());
     let count = 0;
     for await (const { message } of subscription) {
       ensure(message.message !== '', 'A message is empty.');
@@ -136,10 +196,24 @@ const ROLES = {
   },
 };
 
-async function main() {
-  const [role, ...rest] = process.argv.slice(2);
+async function play(ended, role, ...rest) {
   ensure(Object.hasOwn(ROLES, role), `There is no role "${role}".`);
-  await ROLES[role](...rest);
+  const turn = new Turn(ended);
+  await ROLES[role](turn, ...rest);
+  await turn.close();
+}
+
+async function main() {
+  const input = new Input();
+  const [role, ...rest] = process.argv.slice(2);
+  if (role === 'talk') {
+    say('ready');
+    for (let line = await input.read(); line !== undefined; line = await input.read()) {
+      if (line !== '') await play(input.lineOrEnd(), ...line.split(' '));
+    }
+  } else {
+    await play(input.end(), role, ...rest);
+  }
   await session.close();
   process.stdin.destroy();
 }
