@@ -210,6 +210,19 @@ test('PeersServeAndCall', async (t) => {
   assert.strictEqual(await server.end(), 0);
 });
 
+test('APeerPlaysOneRoleAfterTheOther', async (t) => {
+  const [one, two] = [new Program(t, [...PEER, 'talk']), new Program(t, [...PEER, 'talk'])];
+  assert.deepStrictEqual([await one.line(), await two.line()], ['ready', 'ready']);
+  for (const channel of ['a', 'b']) {
+    one.child.stdin.write(`\npublish ${channel} 50\n`);
+    two.child.stdin.write(`subscribe ${channel} 50\n`);
+    assert.strictEqual(await two.line(), 'subscribed');
+    assert.strictEqual(await two.line(), 'received 50');
+    assert.strictEqual(await one.line(), 'published 50');
+  }
+  assert.deepStrictEqual([await one.end(), await two.end()], [0, 0]);
+});
+
 test('PeersReportAMisfit', async (t) => {
   const latch = new Program(t, [...PEER, 'latch', 'c', 'x']);
   const misfit = new Program(t, [...PEER, 'misfit', 'c']);

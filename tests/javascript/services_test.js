@@ -21,7 +21,7 @@ test('ServicesReplyAndFail', async (t) => {
   const client = open(t);
   server.serve('shout', LOG, LOG, async ({ message }) => {
     if (message === 'throw') throw new Error('I have no voice');
-    if (message === 'text') throw 'only a text';  // eslint-disable-line no-throw-literal
+    if (message === 'text') throw 'only a text';
     if (message === 'wrong') return { volume: 5 };
     await new Promise(setImmediate);
     return { message: message.toUpperCase() };

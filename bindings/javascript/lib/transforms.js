@@ -16,7 +16,8 @@ function pose(given) {
       throw invalid(`The ${what} must be ${size} numbers.`);
     }
   }
-  return { translation: Array.from(translation), rotation: Array.from(rotation), stamp: check.time(stamp, 'The stamp') };
+  check.time(stamp, 'The stamp');
+  return { translation: Array.from(translation), rotation: Array.from(rotation), stamp };
 }
 
 /**

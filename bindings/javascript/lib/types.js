@@ -142,7 +142,8 @@ function formOf(given) {
 
 /** The form of a received schema: that of its protobuf type, or else bytes. */
 function formOfSchema(schema) {
-  return schema.encoding === 'protobuf' && schema.descriptorSet !== undefined ? formOf(typeOf(schema)) : formOf(schema);
+  const described = schema.encoding === 'protobuf' && schema.descriptorSet !== undefined;
+  return formOf(described ? typeOf(schema) : schema);
 }
 
 /** A copy of the type of the message that was taken last. */

@@ -72,9 +72,9 @@ typedef struct Job {
   Env* env;
   Part* part;
   napi_deferred deferred;
-  void (*work)(struct Job* job);                          ///< On another thread. Sets `status`.
+  void (*work)(struct Job* job);                         ///< On another thread. Sets `status`.
   napi_value (*result)(napi_env napi, struct Job* job);  ///< NULL: undefined.
-  void (*free)(struct Job* job);                          ///< Frees what `work` needed and made, then the job.
+  void (*free)(struct Job* job);                         ///< Frees what `work` needed and made, then the job.
   hgros_status status;
   char* sentence;
 } Job;

@@ -61,7 +61,8 @@ void CallBack(Env* env, napi_ref function, size_t count, const napi_value* argum
   napi_value result;
   napi_get_reference_value(env->napi, function, &callee);
   napi_get_global(env->napi, &global);
-  if (napi_make_callback(env->napi, env->context, global, callee, count, arguments, &result) != napi_pending_exception) {
+  if (napi_make_callback(env->napi, env->context, global, callee, count, arguments, &result) !=
+      napi_pending_exception) {
     return;
   }
   napi_value thrown;

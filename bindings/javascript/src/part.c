@@ -80,7 +80,7 @@ Part* PartOf(napi_env napi, napi_value value) {
 
 Part* OpenPartOf(napi_env napi, napi_value value, const char* what) {
   Part* const part = PartOf(napi, value);
-  if (!part->closed && (part->session == NULL || !part->session->closed)) return part;
+  if (!part->closed) return part;
   Throw(napi, HGROS_CLOSED, what);
   return NULL;
 }

@@ -24,7 +24,9 @@ static napi_value OpenPublisher(napi_env napi, napi_callback_info info) {
   return Opened(part, publisher, status, value);
 }
 
-static Part* PublisherIn(napi_env napi, napi_value value) { return OpenPartOf(napi, value, "The publisher is closed."); }
+static Part* PublisherIn(napi_env napi, napi_value value) {
+  return OpenPartOf(napi, value, "The publisher is closed.");
+}
 
 // publish(publisher, buffer, patient): if patient, false says that a lossless subscriber has no room.
 static napi_value Publish(napi_env napi, napi_callback_info info) {
