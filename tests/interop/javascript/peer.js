@@ -1,0 +1,224 @@
+// The peer of JavaScript for tests between languages: peer.js ROLE [ARGUMENT...], or peer.js talk.
+'use strict';
+
+const readline = require('readline');
+
+const hgros = require('hgros');
+
+const PATIENCE = { timeout: 30000 };
+const KEEP_ALL = { keepAll: 100 };
+const LOG = 'foxglove.Log';
+
+const session = hgros.open(process.env.HGROS_INTEROP_YAML);
+const say = (line) => process.stdout.write(`${line}\n`);
+
+function ensure(holds, sentence) {
+  if (!holds) throw new Error(sentence);
+}
+
+const byteAt = (i) => (i * 7 + 3) & 255;
+
+/** The lines of standard input that no role has read. */
+class Input {
+  #lines = [];
+  #over = false;
+  #waiting = [];
+
+  constructor() {
+    const wake = () => {
+      for (const resolve of this.#waiting.splice(0)) resolve();
+    };
+    readline.createInterface({ input: process.stdin })
+      .on('line', (line) => {
+        this.#lines.push(line);
+        wake();
+      })
+      .on('close', () => {
+        this.#over = true;
+        wake();
+      });
+  }
+
+  async end() {
+    while (!this.#over) await new Promise((resolve) => this.#waiting.push(resolve));
+  }
+
+  /** A line to read, or the end. */
+  async lineOrEnd() {
+    while (this.#lines.length === 0 && !this.#over) await new Promise((resolve) => this.#waiting.push(resolve));
+  }
+
+  async read() {
+    await this.lineOrEnd();
+    return this.#lines.shift();
+  }
+}
+
+/** What one role has opened, and the end of its waiting. */
+class Turn {
+  #opened = [];
+
+  constructor(ended) {
+    this.ended = ended;
+  }
+
+  #keep(part) {
+    this.#opened.push(part);
+    return part;
+  }
+
+  advertise(channel, type, options) {
+    return this.#keep(session.advertise(channel, type, options));
+  }
+
+  subscribe(channel, type) {
+    return this.#keep(session.subscribe(channel, type, KEEP_ALL));
+  }
+
+  serve(name, handler) {
+    return this.#keep(session.serve(name, LOG, LOG, handler));
+  }
+
+  async close() {
+    for (const part of this.#opened) await part.close();
+  }
+}
+
+const ROLES = {
+  async publish(turn, channel, count) {
+    const publisher = turn.advertise(channel, LOG);
+    await session.waitForSubscribers(channel, 1, PATIENCE);
+    for (let i = 1; i <= Number(count); ++i) await publisher.publishWait({ message: String(i) }, PATIENCE);
+    say(`published ${count}`);
+    await turn.ended;
+  },
+
+  async subscribe(turn, channel, count) {
+    const subscription = turn.subscribe(channel, LOG);
+    say('subscribed');
+    for (let i = 1; i <= Number(count); ++i) {
+      const { message } = await subscription.take(PATIENCE);
+      ensure(message.message === String(i), `Message ${i} is "${message.message}".`);
+    }
+    say(`received ${count}`);
+  },
+
+  async latch(turn, channel, text) {
+    turn.advertise(channel, LOG, { latched: 1 }).publish({ message: text });
+    say('latched');
+    await turn.ended;
+  },
+
+  async late(turn, channel) {
+    const { message } = await turn.subscribe(channel, LOG).take(PATIENCE);
+    say(`late ${message.message}`);
+  },
+
+  async 'bulk-publish'(turn, channel, size) {
+    const publisher = turn.advertise(channel, 'foxglove.PointCloud');
+    const data = Buffer.alloc(Number(size));
+    for (let i = 0; i < data.length; ++i) data[i] = byteAt(i);
+    await session.waitForSubscribers(channel, 1, PATIENCE);
+    await publisher.publishWait({ data, pointStride: 1 }, PATIENCE);
+    say(`published ${size}`);
+    await turn.ended;
+  },
+
+  async 'bulk-subscribe'(turn, channel, size) {
+    const subscription = turn.subscribe(channel, 'foxglove.PointCloud');
+    say('subscribed');
+    const { message } = await subscription.take(PATIENCE);
+    const { data } = message;
+    const sum = data.reduce((total, byte) => total + byte, 0);
+    let expected = 0;
+    for (let i = 0; i < Number(size); ++i) expected += byteAt(i);
+    ensure(data.length === Number(size), `The message has ${data.length} bytes.`);
+    ensure(data[0] === byteAt(0) && data.at(-1) === byteAt(data.length - 1) && sum === expected,
+      'The bytes are not those that were sent.');
+    say(`received ${data.length}`);
+  },
+
+  async serve(turn, name) {
+    turn.serve(name, ({ message }) => {
+      if (message === 'fail') throw new Error('asked to fail');
+      return { message: `re: ${message}` };
+    });
+    say('serving');
+    await turn.ended;
+  },
+
+  async call(turn, name, text) {
+    const end = Date.now() + PATIENCE.timeout;
+    for (;;) {
+      try {
+        const reply = await session.call(name, LOG, LOG, { message: text }, PATIENCE);
+        return say(`answer ${reply.message}`);
+      } catch (error) {
+        if (error.code !== 'HGROS_NO_SERVER' || Date.now() > end) return say(`failed ${error.message}`);
+      }
+      await new Promise((resolve) => setTimeout(resolve, 20));
+    }
+  },
+
+  async misfit(turn, channel) {
+    turn.subscribe(channel, 'foxglove.PoseInFrame');
+    say('subscribed');
+    await turn.ended;
+  },
+
+  async stream(turn, channel) {
+    const publisher = turn.advertise(channel, LOG);
+    let ended = false;
+    turn.ended.then(() => { ended = true; });
+    await session.waitForSubscribers(channel, 1, PATIENCE);
+    let count = 0;
+    while (!ended) {
+      try {
+        await publisher.publishWait({ message: String(count + 1) }, { timeout: 50 });
+      } catch (error) {
+        if (error.code !== 'HGROS_TIMED_OUT') throw error;
+        continue;
+      }
+      if (++count === 1) say('streaming');
+    }
+    say(`streamed ${count}`);
+  },
+
+  async follow(turn, channel) {
+    const subscription = turn.subscribe(channel, LOG);
+    turn.ended.then(() => subscription.close());
+    let count = 0;
+    for await (const { message } of subscription) {
+      ensure(message.message !== '', 'A message is empty.');
+      if (++count === 1) say('following');
+    }
+    say(`followed ${count}`);
+  },
+};
+
+async function play(ended, role, ...rest) {
+  ensure(Object.hasOwn(ROLES, role), `There is no role "${role}".`);
+  const turn = new Turn(ended);
+  await ROLES[role](turn, ...rest);
+  await turn.close();
+}
+
+async function main() {
+  const input = new Input();
+  const [role, ...rest] = process.argv.slice(2);
+  if (role === 'talk') {
+    say('ready');
+    for (let line = await input.read(); line !== undefined; line = await input.read()) {
+      if (line !== '') await play(input.lineOrEnd(), ...line.split(' '));
+    }
+  } else {
+    await play(input.end(), role, ...rest);
+  }
+  await session.close();
+  process.stdin.destroy();
+}
+
+main().catch((error) => {
+  console.error(error.message);
+  process.exit(1);
+});

@@ -1,0 +1,353 @@
+'use strict';
+
+const assert = require('assert');
+const test = require('node:test');
+
+const hgros = require('hgros');
+const { open, patient, until } = require('./support');
+
+const LOG = 'foxglove.Log';
+
+/** Two sessions, and a publisher that has its subscriber. */
+async function pair(t, type, options = {}) {
+  const from = open(t);
+  const to = open(t);
+  const subscription = to.subscribe('words', options.receivedAs ?? type, options.subscribe ?? { keepAll: 10 });
+  const publisher = from.advertise('words', type);
+  await from.waitForSubscribers('words', 1, patient);
+  return { from, to, subscription, publisher };
+}
+
+test('TypedMessagesGoFromSessionToSession', async (t) => {
+  const { from, subscription, publisher } = await pair(t, LOG);
+  for (let i = 0; i < 50; ++i) {
+    await publisher.publishWait({ message: String(i), timestamp: { seconds: 7, nanos: i } }, patient);
+    const { message, info, schema } = await subscription.take(patient);
+    assert.strictEqual(message.message, String(i));
+    assert.strictEqual(message.timestamp.nanos, i);
+    assert.strictEqual(schema.typeName, LOG);
+    assert.ok(info.remote && info.publisher === from.id && info.sequence === BigInt(i + 1));
+    assert.ok(Math.abs(Number(info.publishTime / 1000000n) - Date.now()) < 60000);
+    assert.ok(process.hrtime.bigint() - info.publishMonotonic < 60000000000n);
+  }
+});
+
+test('TypesOfProtobufjsAreDescribedAsProtocDoes', async () => {
+  const { root } = hgros.protobuf.parse(`syntax = "proto3"; package my.robot;
+    import "google/protobuf/timestamp.proto";
+    message Wheel { double radius_m = 1; repeated sint32 counts = 2; map<string, Wheel> by_name = 3; }
+    message Drive {
+      google.protobuf.Timestamp stamp = 1; repeated Wheel wheels = 2; optional bool is_on = 3;
+      oneof way { string road = 4; bytes rail = 5; }
+      enum Mode { OFF = 0; ON = 1; } Mode mode = 6; map<uint32, Mode> old_modes = 7;
+    }`);
+  root.addJSON(hgros.protobuf.common.get('google/protobuf/timestamp.proto').nested);
+  const session = hgros.open();
+  const Drive = root.lookupType('Drive');
+  const schema = await roundTrip(session, Drive, { isOn: true, rail: Buffer.from('ab'), oldModes: { 3: 1 } });
+  const set = hgros.protobuf.descriptor.FileDescriptorSet.decode(schema.descriptorSet);
+  assert.deepStrictEqual(set.file.map((file) => file.package).sort(), ['google.protobuf', 'my.robot']);
+  const drive = set.file.at(-1).messageType.find(({ name }) => name === 'Drive');
+  assert.deepStrictEqual(drive.field.map(({ name }) => name),
+    ['stamp', 'wheels', 'is_on', 'road', 'rail', 'mode', 'old_modes']);
+  assert.deepStrictEqual(drive.nestedType.map(({ name }) => name), ['OldModesEntry']);
+  await session.close();
+});
+
+/** Publishes a message and takes it as any type; the result is the schema that came. */
+async function roundTrip(session, type, sent) {
+  const subscription = session.subscribe(type.name);
+  session.advertise(type.name, type).publish(sent);
+  const received = await subscription.take(patient);
+  assert.deepStrictEqual(JSON.parse(JSON.stringify(received.message)),
+    JSON.parse(JSON.stringify(type.fromObject(sent))));
+  subscription.close();
+  return received.schema;
+}
+
+test('SchemasMadeHereAreThoseOfTheLibrary', async () => {
+  const files = new hgros.protobuf.Root();
+  files.resolvePath = (_, target) => `${process.env.HGROS_PROTO_DIR}/${target}`;
+  files.loadSync(['foxglove/PointCloud.proto', 'foxglove/Log.proto', 'foxglove/SceneUpdate.proto']);
+  const session = hgros.open();
+  for (const name of ['foxglove.PointCloud', LOG, 'foxglove.SceneUpdate']) {
+    const schema = await roundTrip(session, files.lookupType(name), {});
+    assert.strictEqual(schema.fingerprint, hgros.Schema.known(name).fingerprint, name);
+  }
+  assert.throws(() => hgros.Schema.known('no.Such'), { code: 'HGROS_NOT_FOUND', message: /no\.Such/ });
+  await session.close();
+});
+
+test('TheTypeComesWithTheChannel', async (t) => {
+  const { root } = hgros.protobuf.parse(
+    'syntax = "proto3"; message Thing { repeated string the_names = 1; int64 n = 2; }');
+  const { subscription, publisher } = await pair(t, root.lookupType('Thing'), { receivedAs: null });
+  publisher.publish({ theNames: ['a', 'b'], n: '9007199254740993' });
+  const { message, schema } = await subscription.take(patient);
+  assert.deepStrictEqual(JSON.parse(JSON.stringify(message)), { theNames: ['a', 'b'], n: '9007199254740993' });
+  assert.strictEqual(schema.typeName, 'Thing');
+});
+
+test('RawBytesGoBothWays', async (t) => {
+  const bytes = new hgros.Schema('my.bytes', { fingerprint: 5n });
+  const { subscription, publisher } = await pair(t, bytes);
+  publisher.publish(Buffer.from('abc'));
+  publisher.publish(new Uint8Array(0));
+  publisher.publish(new Uint16Array([1]));
+  const received = [];
+  for (let i = 0; i < 3; ++i) received.push(await subscription.take(patient));
+  assert.deepStrictEqual(received.map(({ message }) => message.toString('hex')), ['616263', '', '0100']);
+  assert.strictEqual(received[0].schema.encoding, 'custom');
+  assert.strictEqual(received[0].schema.fingerprint, 5n);
+  assert.throws(() => publisher.publish('text'), { code: 'HGROS_INVALID_ARGUMENT' });
+});
+
+test('LargeMessagesAreNotCopiedAndKeepALease', async (t) => {
+  const { subscription, publisher } = await pair(t, 'foxglove.PointCloud');
+  const data = Buffer.alloc(4 << 20, 7);
+  data[data.length - 1] = 9;
+  await publisher.publishWait({ data, pointStride: 1, frameId: 'map' }, patient);
+  let received = await subscription.take(patient);
+  assert.strictEqual(hgros.leases(), 1);
+  assert.ok(received.message.data.equals(data) && received.message.frameId === 'map');
+  assert.strictEqual(received.message.data.buffer, received.data.buffer);
+  const { message } = received;
+  received.close();
+  assert.strictEqual(message.data.length, 0);
+  await until('a closed message gives its lease back', () => hgros.leases() === 0);
+
+  await publisher.publishWait({ data, pointStride: 1 }, patient);
+  received = await subscription.take(patient);
+  let part = received.message.data.subarray(100, 200);
+  received = undefined;
+  global.gc();
+  await new Promise(setImmediate);
+  assert.strictEqual(hgros.leases(), 1);
+  assert.strictEqual(part[0], 7);
+  part = undefined;
+  await until('a forgotten message gives its lease back', () => {
+    global.gc();
+    return hgros.leases() === 0;
+  });
+});
+
+test('TwoQueuesOfASessionShareTheMemory', async (t) => {
+  const session = open(t);
+  const bytes = new hgros.Schema('my.bytes');
+  const queues = [session.subscribe('bytes', bytes), session.subscribe('bytes', bytes)];
+  session.advertise('bytes', bytes).publish(Buffer.alloc(1 << 20, 3));
+  const received = [await queues[0].take(patient), await queues[1].take(patient)];
+  assert.ok(received.every(({ data }) => data.length === 1 << 20 && data[1000] === 3));
+  received[0].close();
+  assert.strictEqual(received[1].data[5], 3);
+});
+
+test('LoansArePublishedInPlace', async (t) => {
+  const { subscription, publisher } = await pair(t, new hgros.Schema('my.bytes'), { subscribe: { keepAll: 1 } });
+  const loan = publisher.loan(1 << 20);
+  const view = loan.data;
+  view.fill(5);
+  loan.publish();
+  assert.strictEqual(view.length, 0);
+  assert.strictEqual(loan.data, undefined);
+  assert.throws(() => loan.publish(), { code: 'HGROS_INVALID_ARGUMENT' });
+  const second = publisher.loan(1 << 20);
+  second.data.fill(6);
+  await until('the queue is full', () => subscription.stats().queued === 1);
+  await assert.rejects(second.publishWait({ timeout: 20 }), { code: 'HGROS_TIMED_OUT' });
+  assert.strictEqual(second.data[9], 6);
+  const published = second.publishWait(patient);
+  assert.ok((await subscription.take(patient)).data.every((byte) => byte === 5));
+  await published;
+  assert.ok((await subscription.take(patient)).data.every((byte) => byte === 6));
+});
+
+test('LosslessMessagesComeInOrder', async (t) => {
+  const { subscription, publisher } = await pair(t, LOG, { subscribe: { keepAll: 7 } });
+  const all = [];
+  for (let i = 1; i <= 1000; ++i) all.push(publisher.publishWait({ message: String(i) }, patient));
+  assert.throws(() => publisher.publish({ message: 'too early' }), { code: 'HGROS_FULL' });
+  let last = 0;
+  for await (const { message } of subscription) {
+    assert.strictEqual(message.message, String(++last));
+    if (last === 1000) break;
+  }
+  await Promise.all(all);
+  assert.throws(() => subscription.stats(), { code: 'HGROS_CLOSED' });
+});
+
+test('QueuesDropOrHoldBack', async (t) => {
+  const session = open(t);
+  const newest = session.subscribe('newest', LOG, { keepLast: 2 });
+  const every = session.subscribe('every', LOG, { keepAll: 2 });
+  const dropping = session.advertise('newest', LOG);
+  const lossless = session.advertise('every', LOG);
+  for (let i = 0; i < 5; ++i) dropping.publish({ message: String(i) });
+  assert.deepStrictEqual(newest.stats(), { received: 5, dropped: 3, taken: 0, queued: 2, mismatched: 0 });
+  assert.strictEqual((await newest.take(patient)).message.message, '3');
+  lossless.publish({ message: '1' });
+  lossless.publish({ message: '2' });
+  assert.throws(() => lossless.publish({ message: '3' }), { code: 'HGROS_FULL', message: /every/ });
+  await assert.rejects(lossless.publishWait({ message: '3' }, { timeout: 10 }), { code: 'HGROS_TIMED_OUT' });
+  const waits = lossless.publishWait({ message: '3' }, patient);
+  await every.take(patient);
+  await waits;
+});
+
+test('LatchedMessagesReachALateSubscriber', async (t) => {
+  const from = open(t);
+  const publisher = from.advertise('map', LOG, { latched: 2 });
+  for (const message of ['a', 'b', 'c']) publisher.publish({ message });
+  const late = open(t).subscribe('map', LOG, { keepAll: 10 });
+  assert.strictEqual((await late.take(patient)).message.message, 'b');
+  assert.strictEqual((await late.take(patient)).message.message, 'c');
+});
+
+test('AnotherTypeIsRefusedAndReported', async (t) => {
+  const lines = [];
+  const from = open(t);
+  const to = open(t, { log: (level, line) => lines.push(line) });
+  from.advertise('words', LOG);
+  assert.throws(() => from.advertise('words', 'foxglove.PoseInFrame'),
+    { code: 'HGROS_TYPE_MISMATCH', message: /foxglove\.Log/ });
+  to.subscribe('words', 'foxglove.PoseInFrame');
+  await until('the log names both types',
+    () => lines.some((line) => line.includes(LOG) && line.includes('foxglove.PoseInFrame')));
+});
+
+test('CallbacksAreCalledInOrderAndMayFail', async (t) => {
+  const lines = [];
+  const session = open(t, { log: (level, line) => lines.push(`${level}: ${line}`) });
+  const got = [];
+  let running = 0;
+  const subscription = session.subscribe('words', LOG, { keepAll: 10 }, async ({ message }) => {
+    assert.strictEqual(++running, 1);
+    await new Promise(setImmediate);
+    --running;
+    got.push(message.message);
+    if (message.message === '2') throw new Error('I do not like 2');
+  });
+  const publisher = session.advertise('words', LOG);
+  for (const message of ['1', '2', '3']) publisher.publish({ message });
+  await until('all have come', () => got.length === 3);
+  assert.deepStrictEqual(got, ['1', '2', '3']);
+  assert.strictEqual(session.failures, 1);
+  await until('the failure is in the log', () => lines.some((line) => /error: .*"words".*I do not like 2/.test(line)));
+  subscription.close();
+});
+
+test('WhatWaitsIsWoken', async (t) => {
+  const session = open(t);
+  const [closed, ended] = [session.subscribe('a'), session.subscribe('b')];
+  const first = closed.next();
+  const taken = assert.rejects(closed.take(), { code: 'HGROS_CLOSED' });
+  closed.close();
+  closed.close();
+  assert.deepStrictEqual(await first, { value: undefined, done: true });
+  await taken;
+  await assert.rejects(ended.take({ timeout: 5 }), { code: 'HGROS_TIMED_OUT' });
+  const loop = (async () => {
+    for await (const received of ended) assert.fail(`${received} came`);
+  })();
+  session.advertise('c', LOG);
+  const waits = assert.rejects(session.waitForSubscribers('c'), { code: 'HGROS_CLOSED' });
+  const also = assert.rejects(session.waitForPublishers('c'), { code: 'HGROS_CLOSED' });
+  await Promise.all([session.close(), session.close(), loop, waits, also]);
+});
+
+test('WhatIsClosedSaysSo', async () => {
+  const session = hgros.open();
+  const publisher = session.advertise('words', LOG);
+  const other = session.advertise('others', LOG);
+  const transforms = session.transforms();
+  other.close();
+  other.close();
+  assert.throws(() => other.publish({}), { code: 'HGROS_CLOSED', message: 'The publisher is closed.' });
+  await session.close();
+  for (const use of [() => publisher.publish({}), () => session.subscribe('words'), () => session.peers(),
+    () => session.id, () => session.log('info', 'x'), () => transforms.lookup('a', 'b'), () => session.params(),
+    () => publisher.loan(5), () => session.serve('s', LOG, LOG, () => ({}))]) {
+    assert.throws(use, { code: 'HGROS_CLOSED' });
+  }
+  await assert.rejects(publisher.publishWait({}), { code: 'HGROS_CLOSED' });
+  await assert.rejects(session.call('s', LOG, LOG, {}), { code: 'HGROS_CLOSED' });
+  publisher.close();
+  await transforms.close();
+});
+
+test('ErrorsSayWhatIsWrong', async (t) => {
+  const wrong = (code, message) => ({ name: 'HgrosError', code, message });
+  assert.throws(() => hgros.open('sesion: {}'), wrong('HGROS_CONFIG_ERROR', /1:1.*"sesion"/));
+  assert.throws(() => hgros.openFiles(['/no/such.yaml']), wrong('HGROS_CONFIG_ERROR', /\/no\/such\.yaml/));
+  const session = open(t, { name: 'robot' });
+  assert.strictEqual(session.name, 'robot');
+  const invalid = (message) => wrong('HGROS_INVALID_ARGUMENT', message);
+  assert.throws(() => session.subscribe('x', LOG, { keepall: 1 }), invalid(/"keepall".*keepAll/));
+  assert.throws(() => session.subscribe('x', LOG, { keepAll: -1 }), invalid(/keepAll is -1/));
+  assert.throws(() => session.subscribe(5), invalid(/channel's name is 5/));
+  assert.throws(() => session.advertise('x', class {}), invalid(/protobufjs/));
+  assert.throws(() => session.advertise('', LOG), wrong('HGROS_ERROR', /name/));
+  const publisher = session.advertise('x', LOG);
+  assert.throws(() => publisher.publish({ mesage: 'a' }), wrong('HGROS_NOT_WRITABLE', /"mesage".*message/));
+  assert.throws(() => publisher.publish({ timestamp: 5 }), wrong('HGROS_NOT_WRITABLE', /timestamp/));
+  assert.throws(() => publisher.publish(undefined), wrong('HGROS_NOT_WRITABLE', /undefined/));
+  await assert.rejects(publisher.publishWait({}, { timeout: -1 }), invalid(/timeout is -1/));
+});
+
+test('BytesThatDoNotDecodeAreAnError', async (t) => {
+  const session = open(t);
+  const subscription = session.subscribe('words', LOG);
+  const known = hgros.Schema.known(LOG);
+  session.advertise('words', known).publish(Buffer.from([0xff, 0xff]));
+  const received = await subscription.take(patient);
+  assert.throws(() => received.message, { code: 'HGROS_NOT_WRITABLE', message: /foxglove\.Log/ });
+});
+
+test('TheLogComesToAFunction', async (t) => {
+  const lines = [];
+  const session = open(t, { name: 'logger', log: (level, line) => lines.push(`${level} ${line}`) });
+  session.log('warning', 'It rains.');
+  session.setLogLevel('error');
+  session.log('warning', 'It pours.');
+  session.log('error', 'It floods.');
+  await until('the last line has come', () => lines.includes('error It floods.'));
+  assert.ok(lines.includes('warning It rains.') && !lines.includes('warning It pours.'));
+});
+
+test('MemoryDoesNotGrow', async (t) => {
+  const { subscription, publisher } = await pair(t, LOG, { subscribe: { keepAll: 100 } });
+  const text = 'x'.repeat(1000);
+  const used = () => {
+    global.gc();
+    return process.memoryUsage().rss;
+  };
+  let before;
+  const publish = async () => {
+    for (let i = 0; i < 110000; ++i) await publisher.publishWait({ message: text }, patient);
+  };
+  const published = publish();
+  for (let i = 0; i < 110000; ++i) {
+    if (i === 10000) before = used();
+    assert.strictEqual((await subscription.take(patient)).message.message.length, 1000);
+  }
+  await published;
+  const grown = (used() - before) / (1 << 20);
+  assert.ok(grown < 40, `The process has grown by ${grown} MiB.`);
+  assert.strictEqual(hgros.leases(), 0);
+});
+
+test('OtherWorkHasItsTurnWhileMessagesCome', async (t) => {
+  const session = open(t);
+  const subscription = session.subscribe('words', LOG, { keepAll: 1000 });
+  const publisher = session.advertise('words', LOG);
+  let turns = 0;
+  const interval = setInterval(() => { ++turns; }, 0);
+  const publish = async () => {
+    while (turns < 20) await publisher.publishWait({ message: 'x' }, patient);
+    subscription.close();
+  };
+  const published = publish();
+  for await (const { message } of subscription) assert.strictEqual(message.message, 'x');
+  await published;
+  clearInterval(interval);
+});

@@ -1,0 +1,58 @@
+'use strict';
+
+const { spawn } = require('child_process');
+const { once } = require('events');
+const readline = require('readline');
+
+const hgros = require('hgros');
+
+const PATIENCE = 20000;
+const patient = { timeout: PATIENCE };
+
+process.env.HGROS_DOMAIN = `js-${process.pid}`;
+
+/** A session that is closed after the test. */
+function open(t, options, yaml) {
+  const session = hgros.open(yaml, options);
+  t.after(() => session.close());
+  return session;
+}
+
+async function until(what, holds) {
+  for (const end = Date.now() + PATIENCE; !(await holds());) {
+    if (Date.now() > end) throw new Error(`${what} did not hold in time`);
+    await new Promise((resolve) => setTimeout(resolve, 2));
+  }
+}
+
+/** A running program with its lines of output; it is ended after the test. */
+class Program {
+  constructor(t, command, environment = {}) {
+    this.child = spawn(command[0], command.slice(1), {
+      env: { ...process.env, ...environment }, stdio: ['pipe', 'pipe', 'pipe'], timeout: 2 * PATIENCE,
+    });
+    this.errors = '';
+    this.child.stderr.on('data', (data) => { this.errors += data; });
+    this.ended = once(this.child, 'close');
+    this.lines = readline.createInterface({ input: this.child.stdout })[Symbol.asyncIterator]();
+    t.after(() => this.child.kill('SIGKILL'));
+  }
+
+  static script(t, code, environment) {
+    return new Program(t, [process.execPath, '--expose-gc', '-e', code], environment);
+  }
+
+  async line() {
+    const { value } = await this.lines.next();
+    return value;
+  }
+
+  /** Its exit code, after its standard input has been closed. */
+  async end() {
+    this.child.stdin.end();
+    const [code, signal] = await this.ended;
+    return signal ?? code;
+  }
+}
+
+module.exports = { PATIENCE, patient, open, until, Program };
