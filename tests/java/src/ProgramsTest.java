@@ -87,7 +87,8 @@ final class ProgramsTest {
   }
 
   public static void peersPublishAndSubscribe() throws Exception {
-    try (Program to = Program.peer("subscribe", "words", "1000"); Program from = Program.peer("publish", "words", "1000")) {
+    try (Program to = Program.peer("subscribe", "words", "1000");
+        Program from = Program.peer("publish", "words", "1000")) {
       to.says("subscribed");
       from.says("published 1000");
       to.says("received 1000");
@@ -109,7 +110,8 @@ final class ProgramsTest {
 
   public static void peersSendBulkData() throws Exception {
     String size = Integer.toString(4 << 20);
-    try (Program to = Program.peer("bulk-subscribe", "cloud", size); Program from = Program.peer("bulk-publish", "cloud", size)) {
+    try (Program to = Program.peer("bulk-subscribe", "cloud", size);
+        Program from = Program.peer("bulk-publish", "cloud", size)) {
       to.says("subscribed");
       from.says("published " + size);
       to.says("received " + size);
@@ -161,7 +163,8 @@ final class ProgramsTest {
   }
 
   public static void theCommandHearsAndIsHeard() throws Exception {
-    try (Program to = Program.command("echo", "words", "--count", "1"); Program from = Program.peer("latch", "words", "hello")) {
+    try (Program to = Program.command("echo", "words", "--count", "1");
+        Program from = Program.peer("latch", "words", "hello")) {
       from.says("latched");
       to.eventuallySays("hello");
       from.ends();

@@ -197,7 +197,8 @@ final class QueuesTest {
 
   public static void whatCallbacksThrowIsLoggedAndCounted() throws Exception {
     StringBuffer lines = new StringBuffer();
-    try (Session session = Session.open("", new SessionOptions().log((level, line) -> lines.append(line).append('\n')))) {
+    SessionOptions options = new SessionOptions().log((level, line) -> lines.append(line).append('\n'));
+    try (Session session = Session.open("", options)) {
       Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT);
       CountDownLatch last = new CountDownLatch(1);
       queue.onMessage(message -> {
@@ -220,7 +221,8 @@ final class QueuesTest {
 
   public static void aSubscriptionIsClosedInItsCallback() throws Exception {
     try (Session session = Expect.session("ends")) {
-      AtomicReference<RawSubscription> self = new AtomicReference<>(session.subscribeRaw("words", new SubscribeOptions()));
+      AtomicReference<RawSubscription> self =
+          new AtomicReference<>(session.subscribeRaw("words", new SubscribeOptions()));
       AtomicInteger calls = new AtomicInteger();
       CountDownLatch closed = new CountDownLatch(1);
       self.get().onMessage(message -> {

@@ -54,7 +54,8 @@ final class SessionTest {
         }
       });
       here.subscribe("words", Expect.TEXT);
-      try (Session there = Expect.session("there"); Publisher<StringValue> used = there.advertise("words", Expect.TEXT)) {
+      try (Session there = Expect.session("there");
+          Publisher<StringValue> used = there.advertise("words", Expect.TEXT)) {
         there.waitForSubscribers("words", 1, Expect.PATIENCE);
         here.waitForPublishers("words", 1, Expect.PATIENCE);
         Peer peer = came.poll(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS);

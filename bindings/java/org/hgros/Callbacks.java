@@ -10,9 +10,9 @@ import java.util.concurrent.ConcurrentMap;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * The functions that the library calls. There is one of each kind, which is never collected; `user` is the number of its target
- * in Java, which lives until the library releases it. They run on threads of the library, which stay attached to the virtual
- * machine as daemons. Nothing is thrown into the library.
+ * The functions that the library calls. There is one of each kind, which is never collected; `user` is the number of
+ * its target in Java, which lives until the library releases it. They run on threads of the library, which stay
+ * attached to the virtual machine as daemons. Nothing is thrown into the library.
  */
 final class Callbacks {
   /** Targets, by kind. */

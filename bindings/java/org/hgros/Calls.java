@@ -38,8 +38,8 @@ final class Calls {
     Callbacks.ReplyTarget target = (status, sentence, message) -> end(future, status, sentence, message, reply);
     long[] opened = new long[1];
     start(session, request, reply, (owner, requestType, data, replyType) -> HgrosC.hgros_call_later(
-        owner, name, requestType, data, data.length, replyType, Waits.nanos(timeout), Callbacks.REPLY, Callbacks.keep(target),
-        Callbacks.RELEASE, opened));
+        owner, name, requestType, data, data.length, replyType, Waits.nanos(timeout), Callbacks.REPLY,
+        Callbacks.keep(target), Callbacks.RELEASE, opened));
     Handle pending = new Handle("call", opened[0], pointer -> {
       HgrosC.hgros_call_free(pointer);
       return 0;
@@ -57,7 +57,8 @@ final class Calls {
   }
 
   /** What depends on the future does not run on a thread of the library, which other calls need. */
-  private static <R extends Message> void end(CompletableFuture<R> future, int status, String sentence, long message, R reply) {
+  private static <R extends Message> void end(CompletableFuture<R> future, int status, String sentence, long message,
+      R reply) {
     try {
       if (status != 0) {
         throw new HgrosException(Code.of(status), sentence);

@@ -14,8 +14,8 @@ import java.nio.file.Path;
 import java.util.Map;
 
 /**
- * The functions of the C interface (hgros/hgros.h), by JNA's direct mapping. Pointers and sizes are longs; an array of one long
- * is where a function writes its result.
+ * The functions of the C interface (hgros/hgros.h), by JNA's direct mapping. Pointers and sizes are longs; an array of
+ * one long is where a function writes its result.
  */
 final class HgrosC {
   static {
@@ -23,7 +23,8 @@ final class HgrosC {
       throw new UnsatisfiedLinkError("The binding for Java needs a system of 64 bits.");
     }
     addInstalledFolder();
-    Native.register(HgrosC.class, NativeLibrary.getInstance("hgros_c", Map.of(Library.OPTION_STRING_ENCODING, "UTF-8")));
+    Native.register(HgrosC.class,
+        NativeLibrary.getInstance("hgros_c", Map.of(Library.OPTION_STRING_ENCODING, "UTF-8")));
   }
 
   private HgrosC() {}
@@ -61,7 +62,6 @@ final class HgrosC {
   // hgros/c/status.h
   static native long hgros_status_name(int status);
   static native long hgros_last_error();
-  static native long hgros_version();
   static native void hgros_text_free(long text);
 
   // hgros/c/session.h
@@ -103,7 +103,8 @@ final class HgrosC {
   static native void hgros_loan_free(long loan);
 
   // hgros/c/subscribe.h
-  static native int hgros_subscribe_queue(long session, String channel, Structs.SubscribeOptions options, long[] subscription);
+  static native int hgros_subscribe_queue(long session, String channel, Structs.SubscribeOptions options,
+      long[] subscription);
   static native int hgros_queue_take(long queue, long timeout_ns, long[] message);
   static native int hgros_queue_descriptor(long queue);
   static native int hgros_subscription_get_stats(long subscription, Structs.SubscriptionStats stats);
@@ -111,15 +112,15 @@ final class HgrosC {
   static native void hgros_subscription_close(long subscription);
 
   // hgros/c/services.h
-  static native int hgros_serve(long session, String name, long request, long reply, Structs.ServeOptions options, long handler,
-      long user, long release, long[] service);
+  static native int hgros_serve(long session, String name, long request, long reply, Structs.ServeOptions options,
+      long handler, long user, long release, long[] service);
   static native int hgros_reply_set(long reply, byte[] data, long size);
   static native int hgros_reply_fail(long reply, String sentence);
   static native void hgros_service_close(long service);
-  static native int hgros_call(long session, String name, long request_schema, byte[] data, long size, long reply_schema,
-      long timeout_ns, long[] reply);
-  static native int hgros_call_later(long session, String name, long request_schema, byte[] data, long size, long reply_schema,
-      long timeout_ns, long callback, long user, long release, long[] call);
+  static native int hgros_call(long session, String name, long request_schema, byte[] data, long size,
+      long reply_schema, long timeout_ns, long[] reply);
+  static native int hgros_call_later(long session, String name, long request_schema, byte[] data, long size,
+      long reply_schema, long timeout_ns, long callback, long user, long release, long[] call);
   static native void hgros_call_cancel(long call);
   static native void hgros_call_free(long call);
 

@@ -15,7 +15,9 @@ public final class HgrosException extends RuntimeException {
     return code;
   }
 
-  /** The code's name, and the sentence, which {@link #getMessage} has alone: what went wrong, where, and how to mend it. */
+  /**
+   * The code's name, and the sentence, which {@link #getMessage} has alone: what went wrong, where, and how to mend it.
+   */
   @Override
   public String toString() {
     return "hgros: " + code + ": " + getMessage();

@@ -175,8 +175,9 @@ public final class Params implements AutoCloseable {
   }
 
   /**
-   * Calls `listener` with the path and the YAML of each changed value at, below or above a path, or with null if it was removed.
-   * It runs on the thread that makes the change; for another session on a worker, first with all current values.
+   * Calls `listener` with the path and the YAML of each changed value at, below or above a path, or with null if it was
+   * removed. It runs on the thread that makes the change; for another session on a worker, first with all current
+   * values.
    */
   public Watch onChange(String path, BiConsumer<String, String> listener) {
     return Watch.open(session, "The listener for changes of \"" + path + "\"",

@@ -9,8 +9,8 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * Waits with epoll for all queues of the process, on one thread, so that those who wait in Java can be interrupted and hold no
- * thread of their own.
+ * Waits with epoll for all queues of the process, on one thread, so that those who wait in Java can be interrupted and
+ * hold no thread of their own.
  */
 final class QueuePoller {
   private static final int ADD = 1;
@@ -52,7 +52,8 @@ final class QueuePoller {
     event.setLong(NUMBER_OFFSET, number);
     event.setInt(0, 0);
     if (epoll_ctl(POLL, ADD, descriptor, event) != 0) {
-      throw new HgrosException(Code.ERROR, "The descriptor of a queue cannot be waited for: errno " + Native.getLastError() + ".");
+      throw new HgrosException(Code.ERROR,
+          "The descriptor of a queue cannot be waited for: errno " + Native.getLastError() + ".");
     }
     event.setInt(0, READABLE_ONCE);
     Bell bell = new Bell(descriptor, event, arm);

@@ -35,8 +35,9 @@ public final class RawPublisher implements AutoCloseable {
   }
 
   /**
-   * Publishes a message of `size` bytes, which `fill` writes where receivers on this host read, without a copy. The buffer, in
-   * native byte order, has arbitrary values at first, and may not be used after `fill` has returned. Never waits.
+   * Publishes a message of `size` bytes, which `fill` writes where receivers on this host read, without a copy. The
+   * buffer, in native byte order, has arbitrary values at first, and may not be used after `fill` has returned. Never
+   * waits.
    */
   public void publishInPlace(int size, Consumer<ByteBuffer> fill) {
     long loan = loan(size, fill);
@@ -60,7 +61,8 @@ public final class RawPublisher implements AutoCloseable {
   /** A loan that is filled. */
   private long loan(int size, Consumer<ByteBuffer> fill) {
     if (size < 0) {
-      throw new HgrosException(Code.INVALID_ARGUMENT, "The size of a message is " + size + ", but must not be negative.");
+      throw new HgrosException(Code.INVALID_ARGUMENT,
+          "The size of a message is " + size + ", but must not be negative.");
     }
     long[] opened = new long[1];
     handle.call(publisher -> HgrosC.hgros_loan_open(publisher, size, opened));

@@ -74,8 +74,8 @@ public final class RawSubscription implements AutoCloseable {
   }
 
   /**
-   * Waits for the oldest message, which the caller closes. Throws {@link Code#CLOSED} once the subscription or its session has
-   * ended.
+   * Waits for the oldest message, which the caller closes. Throws {@link Code#CLOSED} once the subscription or its
+   * session has ended.
    */
   public ReceivedMessage take() throws InterruptedException {
     return new ReceivedMessage(takePointer(Long.MAX_VALUE / 2));
@@ -120,9 +120,10 @@ public final class RawSubscription implements AutoCloseable {
   }
 
   /**
-   * From now on calls `callback` with each message, in order, one call at a time, in tasks of `executor`, until the subscription
-   * or its session is closed. The message is closed when the callback returns. What it throws is written into the session's log
-   * and counted. The executor must not run tasks on the thread that gives them to it, which serves all queues.
+   * From now on calls `callback` with each message, in order, one call at a time, in tasks of `executor`, until the
+   * subscription or its session is closed. The message is closed when the callback returns. What it throws is written
+   * into the session's log and counted. The executor must not run tasks on the thread that gives them to it, which
+   * serves all queues.
    */
   public RawSubscription onMessage(Executor executor, Consumer<ReceivedMessage> callback) {
     onPointer(executor, message -> {
@@ -180,7 +181,8 @@ public final class RawSubscription implements AutoCloseable {
   public SubscriptionStats stats() {
     Structs.SubscriptionStats stats = new Structs.SubscriptionStats();
     handle.call(queue -> HgrosC.hgros_subscription_get_stats(queue, stats));
-    return new SubscriptionStats(stats.received, stats.dropped, stats.run, stats.queued, stats.mismatched, failed.get());
+    return new SubscriptionStats(stats.received, stats.dropped, stats.run, stats.queued, stats.mismatched,
+        failed.get());
   }
 
   /** Ends the subscription, wakes those that take, and waits for the running callback, unless it is called there. */

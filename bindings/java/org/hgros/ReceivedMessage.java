@@ -8,8 +8,8 @@ import java.nio.ByteOrder;
 import java.time.Instant;
 
 /**
- * A received message. Its bytes are a lease on the sender's memory: close it soon. One that is forgotten is closed when neither
- * it nor its bytes can be reached.
+ * A received message. Its bytes are a lease on the sender's memory: close it soon. One that is forgotten is closed when
+ * neither it nor its bytes can be reached.
  */
 public final class ReceivedMessage implements AutoCloseable {
   private final Handle handle;
@@ -75,7 +75,8 @@ public final class ReceivedMessage implements AutoCloseable {
       String came = HgrosC.textAt(HgrosC.hgros_schema_type_name(HgrosC.hgros_message_schema(message)));
       String wanted = prototype.getDescriptorForType().getFullName();
       if (!came.equals(wanted)) {
-        throw new HgrosException(Code.TYPE_MISMATCH, "The message is a \"" + came + "\", but is read as \"" + wanted + "\".");
+        throw new HgrosException(Code.TYPE_MISMATCH,
+            "The message is a \"" + came + "\", but is read as \"" + wanted + "\".");
       }
       return parse(message, prototype);
     } finally {
@@ -87,7 +88,8 @@ public final class ReceivedMessage implements AutoCloseable {
   public DynamicMessage decode() {
     long message = handle.enter();
     try {
-      return parse(message, DynamicMessage.getDefaultInstance(Schema.descriptorOf(HgrosC.hgros_message_schema(message))));
+      return parse(message,
+          DynamicMessage.getDefaultInstance(Schema.descriptorOf(HgrosC.hgros_message_schema(message))));
     } finally {
       handle.leave();
     }

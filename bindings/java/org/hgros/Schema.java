@@ -34,13 +34,14 @@ public final class Schema {
 
   private static Schema create(String typeName, int encoding, long fingerprint, byte[] set) {
     long[] created = new long[1];
-    HgrosC.check(HgrosC.hgros_schema_create(typeName, encoding, fingerprint, set, set == null ? 0 : set.length, created));
+    HgrosC.check(HgrosC.hgros_schema_create(typeName, encoding, fingerprint, set, set == null ? 0 : set.length,
+        created));
     return new Schema(created[0]);
   }
 
   /**
-   * Names a type of your own whose bytes this package does not know. The fingerprint may be 0: then types are compared by name
-   * and encoding alone.
+   * Names a type of your own whose bytes this package does not know. The fingerprint may be 0: then types are compared
+   * by name and encoding alone.
    */
   public static Schema raw(String typeName, Encoding encoding, long fingerprint) {
     return create(typeName, encoding.ordinal(), fingerprint, null);

@@ -18,8 +18,8 @@ public final class Service implements AutoCloseable {
     Schema replies = Schema.of(reply.getDescriptorForType());
     long[] opened = new long[1];
     session.handle.call(owner -> requests.handle.status(requestType -> replies.handle.status(
-        replyType -> HgrosC.hgros_serve(owner, name, requestType, replyType, chosen, Callbacks.SERVE, Callbacks.keep(target),
-            Callbacks.RELEASE, opened))));
+        replyType -> HgrosC.hgros_serve(owner, name, requestType, replyType, chosen, Callbacks.SERVE,
+            Callbacks.keep(target), Callbacks.RELEASE, opened))));
     handle = new Handle("service \"" + name + "\"", opened[0], pointer -> {
       HgrosC.hgros_service_close(pointer);
       return 0;

@@ -62,7 +62,10 @@ public final class Session implements AutoCloseable {
         (chosen, session) -> HgrosC.hgros_session_open_files(texts(files), files.size(), chosen, session));
   }
 
-  /** Wakes all that wait for the session, and every later call throws {@link Code#CLOSED}. Does not wait. Close it later. */
+  /**
+   * Wakes all that wait for the session, and every later call throws {@link Code#CLOSED}. Does not wait. Close it
+   * later.
+   */
   public void end() {
     try {
       handle.status(session -> {
@@ -75,8 +78,8 @@ public final class Session implements AutoCloseable {
   }
 
   /**
-   * Ends the session, waits for running handlers, and says goodbye to the other sessions. Inside a handler it does not wait, and
-   * the rest stays until the process ends.
+   * Ends the session, waits for running handlers, and says goodbye to the other sessions. Inside a handler it does not
+   * wait, and the rest stays until the process ends.
    */
   @Override
   public void close() {
@@ -140,7 +143,10 @@ public final class Session implements AutoCloseable {
     }
   }
 
-  /** Announces a channel of the type of `prototype`, such as {@code Log.getDefaultInstance()}. Its description goes with it. */
+  /**
+   * Announces a channel of the type of `prototype`, such as {@code Log.getDefaultInstance()}. Its description goes with
+   * it.
+   */
   public <T extends Message> Publisher<T> advertise(String channel, T prototype) {
     return advertise(channel, prototype, new PublishOptions());
   }
@@ -155,7 +161,10 @@ public final class Session implements AutoCloseable {
     return new RawPublisher(this, channel, schema, options);
   }
 
-  /** Receives a channel of the type of `prototype`, such as {@code Log.getDefaultInstance()}: the 16 newest messages wait. */
+  /**
+   * Receives a channel of the type of `prototype`, such as {@code Log.getDefaultInstance()}: the 16 newest messages
+   * wait.
+   */
   public <T extends Message> Subscription<T> subscribe(String channel, T prototype) {
     return subscribe(channel, prototype, new SubscribeOptions());
   }
@@ -188,22 +197,24 @@ public final class Session implements AutoCloseable {
   }
 
   /**
-   * Offers a service, until it or the session is closed. The handler gets requests of the type of `request`, and returns replies
-   * of that of `reply`. It runs on a thread of the session, one request at a time.
+   * Offers a service, until it or the session is closed. The handler gets requests of the type of `request`, and
+   * returns replies of that of `reply`. It runs on a thread of the session, one request at a time.
    */
-  public <Q extends Message, R extends Message> Service serve(String name, Q request, R reply, ServiceHandler<Q, R> handler) {
+  public <Q extends Message, R extends Message> Service serve(String name, Q request, R reply,
+      ServiceHandler<Q, R> handler) {
     return serve(name, request, reply, handler, new ServeOptions());
   }
 
   /** The same with options. */
-  public <Q extends Message, R extends Message> Service serve(String name, Q request, R reply, ServiceHandler<Q, R> handler,
-      ServeOptions options) {
+  public <Q extends Message, R extends Message> Service serve(String name, Q request, R reply,
+      ServiceHandler<Q, R> handler, ServeOptions options) {
     return keep(new Service(this, name, request, reply, handler, options));
   }
 
   /**
-   * Calls a service and waits for its reply, of the type of `reply`. May be called in a handler: it handles other requests of
-   * the session meanwhile. Only the timeout or the end of the session ends the wait; use callLater() to be interrupted.
+   * Calls a service and waits for its reply, of the type of `reply`. May be called in a handler: it handles other
+   * requests of the session meanwhile. Only the timeout or the end of the session ends the wait; use callLater() to be
+   * interrupted.
    */
   public <R extends Message> R call(String name, Message request, R reply, Duration timeout) {
     return Calls.call(this, name, request, reply, timeout);
@@ -215,15 +226,18 @@ public final class Session implements AutoCloseable {
   }
 
   /**
-   * Reads the parameters of this program from YAML files, later ones over earlier ones. Other sessions may read, watch and set
-   * them under the session's name.
+   * Reads the parameters of this program from YAML files, later ones over earlier ones. Other sessions may read, watch
+   * and set them under the session's name.
    */
   public Params params(Path... files) {
     List<Path> list = List.of(files);
     return new Params(this, (session, params) -> HgrosC.hgros_params_open(session, texts(list), list.size(), params));
   }
 
-  /** The parameters that a session offers under its name. Each method on them asks that session and waits for its answer. */
+  /**
+   * The parameters that a session offers under its name. Each method on them asks that session and waits for its
+   * answer.
+   */
   public Params paramsOf(String name, Duration timeout) {
     return new Params(this,
         (session, params) -> HgrosC.hgros_params_of(session, name, Waits.nanos(timeout), params));
@@ -262,7 +276,8 @@ public final class Session implements AutoCloseable {
       for (long i = 0; i < count; i++) {
         Structs.Channel channel = new Structs.Channel();
         HgrosC.check(HgrosC.hgros_channels_get(opened[0], i, channel));
-        channels.add(new ChannelInfo(channel.name, channel.type_name, channel.fingerprint, Encoding.of(channel.encoding),
+        channels.add(new ChannelInfo(channel.name, channel.type_name, channel.fingerprint,
+            Encoding.of(channel.encoding),
             channel.publishers, channel.subscribers));
       }
       return channels;

@@ -47,7 +47,8 @@ final class Structs {
     public int executor;
   }
 
-  @Structure.FieldOrder({"size", "received", "dropped", "run", "queued", "mismatched", "queue_wait_p50_ns", "queue_wait_p99_ns"})
+  @Structure.FieldOrder({"size", "received", "dropped", "run", "queued", "mismatched", "queue_wait_p50_ns",
+      "queue_wait_p99_ns"})
   public static final class SubscriptionStats extends Sized {
     public long received;
     public long dropped;
@@ -78,8 +79,8 @@ final class Structs {
     public int executor;
   }
 
-  @Structure.FieldOrder({"size", "read_only", "description", "unit", "has_least", "has_most", "least", "most", "choices",
-      "choice_count"})
+  @Structure.FieldOrder({"size", "read_only", "description", "unit", "has_least", "has_most", "least", "most",
+      "choices", "choice_count"})
   public static final class ParamInfo extends Sized {
     public int read_only;
     public String description;

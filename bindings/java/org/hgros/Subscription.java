@@ -39,7 +39,9 @@ public final class Subscription<T extends Message> implements AutoCloseable {
     return onMessage(Workers.ANY, callback);
   }
 
-  /** As {@link RawSubscription#onMessage(Executor, Consumer)}, with messages that are read, and belong to the callback. */
+  /**
+   * As {@link RawSubscription#onMessage(Executor, Consumer)}, with messages that are read, and belong to the callback.
+   */
   public Subscription<T> onMessage(Executor executor, Consumer<T> callback) {
     raw.onPointer(executor, message -> callback.accept(read(message)));
     return this;

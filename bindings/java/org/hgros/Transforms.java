@@ -3,7 +3,9 @@ package org.hgros;
 import java.time.Duration;
 import java.time.Instant;
 
-/** The transforms of a session, by the names of frames: those it sets, which other sessions get, and those it receives. */
+/**
+ * The transforms of a session, by the names of frames: those it sets, which other sessions get, and those it receives.
+ */
 public final class Transforms implements AutoCloseable {
   private final Handle handle;
   @SuppressWarnings("unused") // Not forgotten while its transforms are used.
@@ -16,7 +18,9 @@ public final class Transforms implements AutoCloseable {
     handle = new Handle("object for transforms", opened[0], HgrosC::hgros_transforms_close).closeWith(this);
   }
 
-  /** Sends what still waits. Throws {@link Code#WOULD_DEADLOCK} inside a callback of the session: then they stay open. */
+  /**
+   * Sends what still waits. Throws {@link Code#WOULD_DEADLOCK} inside a callback of the session: then they stay open.
+   */
   @Override
   public void close() {
     handle.close();
