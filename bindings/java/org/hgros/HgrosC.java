@@ -108,7 +108,6 @@ final class HgrosC {
   static native int hgros_queue_take(long queue, long timeout_ns, long[] message);
   static native int hgros_queue_descriptor(long queue);
   static native int hgros_subscription_get_stats(long subscription, Structs.SubscriptionStats stats);
-  static native void hgros_subscription_end(long subscription);
   static native void hgros_subscription_close(long subscription);
 
   // hgros/c/services.h
