@@ -1,0 +1,9 @@
+package org.hgros;
+
+/** The weight of a line of the log. */
+public enum LogLevel {
+  DEBUG,
+  INFO,
+  WARNING,
+  ERROR
+}

@@ -1,0 +1,11 @@
+package org.hgros;
+
+/** What has happened to a session. */
+public enum PeerEvent {
+  CAME,
+  GONE,
+  /** It uses a channel with another type. */
+  TYPE_MISMATCH,
+  /** It serves a name that is served. */
+  SERVED_TWICE
+}
