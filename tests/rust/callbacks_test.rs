@@ -200,3 +200,51 @@ fn a_callback_may_publish_and_end_its_session() {
         .ok()
         .expect("the callback and its session are gone");
 }
+
+#[test]
+fn a_callback_may_own_its_session() {
+    let session = Arc::new(session("owner"));
+    let inner = Arc::clone(&session);
+    let listener = session
+        .on("words", Queue::default(), move |_: Log| {
+            assert!(inner.id() != 0)
+        })
+        .unwrap();
+    let publisher = session
+        .advertise("words", PublishOptions::default())
+        .unwrap();
+    publisher.publish(&log_of(1)).unwrap();
+    session.wait_idle(PATIENCE).unwrap();
+    drop(session);
+    publisher.publish(&log_of(2)).unwrap();
+    drop(listener); // And with it the session.
+    assert_eq!(status_of(publisher.publish(&log_of(3))), Status::Closed);
+}
+
+#[test]
+fn a_handler_may_own_its_session() {
+    let session = Arc::new(session("owner-service"));
+    let inner = Arc::clone(&session);
+    let handler = move |request: Log| {
+        if inner.id() != 0 {
+            Ok(request)
+        } else {
+            Err("no id")
+        }
+    };
+    let service = session
+        .serve("same", hgros::ServeOptions::default(), handler)
+        .unwrap();
+    let reply: Log = session.call("same", &log_of("x"), PATIENCE).unwrap();
+    assert_eq!(reply.message, "x");
+    let inner = Arc::clone(&session);
+    let watch = session.on_peer(move |_| assert!(inner.id() != 0)).unwrap();
+    let publisher = session
+        .advertise("words", PublishOptions::default())
+        .unwrap();
+    drop(session);
+    drop(service);
+    publisher.publish(&log_of(1)).unwrap();
+    drop(watch);
+    assert_eq!(status_of(publisher.publish(&log_of(2))), Status::Closed);
+}

@@ -13,8 +13,8 @@
 //! use robot::Battery;
 //! ```
 //!
-//! The messages are those of the crate `protobuf`, on which the program depends, and implement `hgros::Type`. `protoc` must
-//! be in the `PATH`, or be named by the variable `PROTOC`.
+//! The messages are those of the crate `protobuf`, on which the program depends, and implement `hgros::Type`. `protoc`
+//! must be in the `PATH`, or be named by the variable `PROTOC`.
 
 use protobuf::descriptor::{DescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use protobuf::Message;

@@ -2,11 +2,11 @@
 //!
 //! A [`Session`] is one participant. [`Session::advertise`] and [`Session::subscribe`] give publishers and queues of
 //! protobuf messages, [`Session::serve`] and [`Session::call`] are services. What can fail returns a [`Result`] whose
-//! [`Error`] has a [`Status`] and a sentence. A timeout of [`Duration::MAX`](std::time::Duration::MAX) waits forever, one
-//! of zero does not wait.
+//! [`Error`] has a [`Status`] and a sentence. A timeout of [`Duration::MAX`](std::time::Duration::MAX) waits forever,
+//! one of zero does not wait.
 //!
-//! Everything may be used by any thread. Handles end what they stand for when they are dropped, in any order, also inside
-//! callbacks. [`Session::end`] wakes all threads that wait.
+//! Everything may be used by any thread. Handles end what they stand for when they are dropped, in any order, also
+//! inside callbacks. [`Session::end`] wakes all threads that wait.
 //!
 //! A panic in a callback does not leave it: the log has a line about it, and [`Session::callback_failures`] counts it.
 //! The caller of a service gets it as an error.

@@ -27,8 +27,8 @@ pub struct Info {
     pub publish_time: Option<SystemTime>,
 }
 
-/// A received message. It derefs to its bytes, which are not copied: it is a lease on the sender's memory, which ends when
-/// it is dropped. Many large messages that are kept make the sender use ordinary memory, which costs a copy.
+/// A received message. It derefs to its bytes, which are not copied: it is a lease on the sender's memory, which ends
+/// when it is dropped. Many large messages that are kept make the sender use ordinary memory, which costs a copy.
 pub struct Message {
     handle: NonNull<sys::hgros_message>,
     schema: ManuallyDrop<Schema>, // Belongs to the message.

@@ -128,8 +128,8 @@ impl Session {
         }
     }
 
-    /// Calls a function when a session comes or goes, uses a channel with another type, or serves a name that is served;
-    /// one call at a time. Watch first, then call [`Session::peers`] for those that came earlier.
+    /// Calls a function when a session comes or goes, uses a channel with another type, or serves a name that is
+    /// served; one call at a time. Watch first, then call [`Session::peers`] for those that came earlier.
     pub fn on_peer(&self, happened: impl FnMut(PeerChange) + Send + 'static) -> Result<Watch> {
         self.watch_peers(happened)
     }

@@ -7,6 +7,7 @@ use crate::observe::Watch;
 use crate::session::Session;
 use hgros_sys as sys;
 use std::ffi::CStr;
+use std::fmt::Write;
 use std::os::raw::{c_char, c_void};
 use std::ptr::{null_mut, NonNull};
 use std::sync::Arc;
@@ -141,8 +142,8 @@ impl Params {
     }
 
     /// Calls a function for each changed value at, below or above a path, with its YAML, or None if it was removed. It
-    /// runs on the thread that makes the change, perhaps inside itself if it makes one; for another session on a worker,
-    /// first with all current values.
+    /// runs on the thread that makes the change, perhaps inside itself if it makes one; for another session on a
+    /// worker, first with all current values.
     pub fn on_change(
         &self,
         path: &str,
@@ -412,7 +413,9 @@ fn quoted(text: &str) -> String {
     for character in text.chars() {
         match character {
             '"' | '\\' => yaml.extend(['\\', character]),
-            _ if character.is_control() => yaml.push_str(&format!("\\u{:04x}", character as u32)),
+            _ if character.is_control() => {
+                write!(yaml, "\\u{:04x}", character as u32).expect("a String takes all")
+            }
             _ => yaml.push(character),
         }
     }

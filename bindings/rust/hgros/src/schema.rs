@@ -61,8 +61,8 @@ impl Schema {
         Self::create(T::NAME, Encoding::Protobuf, 0, T::DESCRIPTOR_SET)
     }
 
-    /// A type of your own whose bytes this crate does not know. The fingerprint may be 0: then types are compared by name
-    /// and encoding alone.
+    /// A type of your own whose bytes this crate does not know. The fingerprint may be 0: then types are compared by
+    /// name and encoding alone.
     pub fn raw(type_name: &str, encoding: Encoding, fingerprint: u64) -> Result<Self> {
         Self::create(type_name, encoding, fingerprint, &[])
     }

@@ -22,7 +22,8 @@ pub struct ServeOptions {
     pub concurrent: bool,
 }
 
-/// Offers a service until it is dropped: requests that wait then fail. Outside callbacks that waits for running handlers.
+/// Offers a service until it is dropped: requests that wait then fail. Outside callbacks that waits for running
+/// handlers.
 #[must_use = "the service ends when this is dropped"]
 pub struct Service(NonNull<sys::hgros_service>);
 
@@ -32,9 +33,9 @@ unsafe impl Send for Service {}
 unsafe impl Sync for Service {}
 
 impl Session {
-    /// Offers a service, for callers in this session and in others. The handler runs on a thread of the session; the text
-    /// of its error becomes the caller's [`Status::HandlerFailed`](crate::Status::HandlerFailed), and so does a panic. A
-    /// handler that calls a service handles requests of its own session meanwhile, perhaps with itself.
+    /// Offers a service, for callers in this session and in others. The handler runs on a thread of the session; the
+    /// text of its error becomes the caller's [`Status::HandlerFailed`](crate::Status::HandlerFailed), and so does a
+    /// panic. A handler that calls a service handles requests of its own session meanwhile, perhaps with itself.
     pub fn serve<Q: Type, R: Type, E: Display>(
         &self,
         name: &str,

@@ -118,14 +118,15 @@ unsafe extern "C" fn write_line(user: *mut c_void, level: i32, line: *const c_ch
 /// One participant of the hypergraph.
 ///
 /// Dropping it waits for running callbacks, and says goodbye to the other sessions; what was made from it then returns
-/// [`Status::Closed`](crate::Status::Closed). Do not drop it inside one of its callbacks: the rest of it would stay until
-/// the process ends. [`Session::end`] may be called there.
+/// [`Status::Closed`](crate::Status::Closed). Do not drop it inside one of its callbacks: the rest of it would stay
+/// until the process ends. [`Session::end`] may be called there.
 pub struct Session {
     handle: NonNull<sys::hgros_session>,
     pub(crate) reports: Arc<CallbackReports>,
 }
 
-// SAFETY: every function on a session may be called by any thread. It is closed by its only owner, when nobody borrows it.
+// SAFETY: every function on a session may be called by any thread. It is closed by its only owner, when nobody borrows
+// it.
 unsafe impl Send for Session {}
 // SAFETY: as above.
 unsafe impl Sync for Session {}
@@ -164,8 +165,8 @@ impl Session {
         unsafe { sys::hgros_session_id(self.as_ptr()) }
     }
 
-    /// Callbacks that panicked, and messages that a typed callback did not get because they could not be decoded. The log
-    /// has a line about each.
+    /// Callbacks that panicked, and messages that a typed callback did not get because they could not be decoded. The
+    /// log has a line about each.
     pub fn callback_failures(&self) -> u64 {
         self.reports.failures()
     }

@@ -93,8 +93,8 @@ impl Receive for Message {
 
 /// A queue of received messages. Any number of threads may take from it; each message goes to one.
 ///
-/// Its descriptor is readable while messages wait, and once the queue has ended: for poll, epoll and event loops. Neither
-/// read nor write it; call [`Subscription::try_recv`] until it returns None.
+/// Its descriptor is readable while messages wait, and once the queue has ended: for poll, epoll and event loops.
+/// Neither read nor write it; call [`Subscription::try_recv`] until it returns None.
 pub struct Subscription<T> {
     handle: NonNull<sys::hgros_subscription>,
     messages: PhantomData<fn() -> T>,
@@ -106,8 +106,8 @@ unsafe impl<T> Send for Subscription<T> {}
 unsafe impl<T> Sync for Subscription<T> {}
 
 impl Session {
-    /// Receives a channel of a protobuf type. Messages of another type are counted, not delivered, and the log names both
-    /// types.
+    /// Receives a channel of a protobuf type. Messages of another type are counted, not delivered, and the log names
+    /// both types.
     pub fn subscribe<T: Type>(
         &self,
         channel: &str,
