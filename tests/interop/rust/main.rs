@@ -1,0 +1,241 @@
+//! The peer of Rust: one role in a conversation between languages. Each line on standard output says how far it is.
+
+use hgros::{Error, PublishOptions, Publisher, Queue, ServeOptions, Session, Status, Subscription};
+use hgros_messages::foxglove::{Log, PointCloud, PoseInFrame};
+use std::io::{Read, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+const PATIENCE: Duration = Duration::from_secs(30);
+const ROOM: Queue = Queue::KeepAll(100);
+const DATA_FIELD: u32 = 6; // foxglove.PointCloud.data
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() {
+    if let Err(failure) = run() {
+        eprintln!("{failure}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let session = Session::open(&std::env::var("HGROS_INTEROP_YAML").unwrap_or_default())?;
+    match arguments[..] {
+        ["publish", channel, count] => publish(&session, channel, count.parse()?),
+        ["subscribe", channel, count] => subscribe(&session, channel, count.parse()?),
+        ["latch", channel, text] => latch(&session, channel, text),
+        ["late", channel] => late(&session, channel),
+        ["bulk-publish", channel, bytes] => bulk_publish(&session, channel, bytes.parse()?),
+        ["bulk-subscribe", channel, bytes] => bulk_subscribe(&session, channel, bytes.parse()?),
+        ["serve", name] => serve(&session, name),
+        ["call", name, text] => call(&session, name, text),
+        ["misfit", channel] => misfit(&session, channel),
+        ["stream", channel] => stream(&session, channel),
+        ["follow", channel] => follow(&session, channel),
+        _ => Err("usage: peer ROLE [ARGUMENT...]".into()),
+    }
+}
+
+fn say(line: &str) {
+    let mut output = std::io::stdout();
+    // Perhaps nobody reads any more.
+    let _ = writeln!(output, "{line}").and_then(|()| output.flush());
+}
+
+fn wait_for_end_of_input() {
+    // An error is an end, too.
+    let _ = std::io::stdin().read_to_end(&mut Vec::new());
+}
+
+fn log_of(text: &str) -> Log {
+    let mut log = Log::new();
+    log.set_message(text.to_owned());
+    log
+}
+
+fn advertise(session: &Session, channel: &str) -> hgros::Result<Publisher<Log>> {
+    session.advertise(channel, PublishOptions::default())
+}
+
+fn publish(session: &Session, channel: &str, count: u64) -> Result<(), Failure> {
+    let publisher = advertise(session, channel)?;
+    session.wait_for_subscribers(channel, 1, PATIENCE)?;
+    for number in 1..=count {
+        publisher.publish_wait(&log_of(&number.to_string()), PATIENCE)?;
+    }
+    say(&format!("published {count}"));
+    wait_for_end_of_input();
+    Ok(())
+}
+
+fn subscribe(session: &Session, channel: &str, count: u64) -> Result<(), Failure> {
+    let queue: Subscription<Log> = session.subscribe(channel, ROOM)?;
+    say("subscribed");
+    for number in 1..=count {
+        let log = queue.recv_timeout(PATIENCE)?;
+        if log.message != number.to_string() {
+            return Err(format!("The message is {:?} instead of {number}.", log.message).into());
+        }
+    }
+    say(&format!("received {count}"));
+    Ok(())
+}
+
+fn latch(session: &Session, channel: &str, text: &str) -> Result<(), Failure> {
+    let publisher = session.advertise(channel, PublishOptions { latched: 1 })?;
+    publisher.publish(&log_of(text))?;
+    say("latched");
+    wait_for_end_of_input();
+    Ok(())
+}
+
+fn late(session: &Session, channel: &str) -> Result<(), Failure> {
+    let queue: Subscription<Log> = session.subscribe(channel, ROOM)?;
+    say(&format!("late {}", queue.recv_timeout(PATIENCE)?.message));
+    Ok(())
+}
+
+fn bulk_bytes(size: usize) -> impl Iterator<Item = u8> {
+    (0..size).map(|index| (index.wrapping_mul(7).wrapping_add(3) & 255) as u8)
+}
+
+fn bulk_publish(session: &Session, channel: &str, size: usize) -> Result<(), Failure> {
+    let publisher = session.advertise(channel, PublishOptions::default())?;
+    session.wait_for_subscribers(channel, 1, PATIENCE)?;
+    let mut cloud = PointCloud::new();
+    cloud.set_point_stride(1);
+    cloud.set_data(bulk_bytes(size).collect());
+    publisher.publish_wait(&cloud, PATIENCE)?; // Encoded where the subscriber reads it.
+    say(&format!("published {size}"));
+    wait_for_end_of_input();
+    Ok(())
+}
+
+fn bulk_subscribe(session: &Session, channel: &str, size: usize) -> Result<(), Failure> {
+    let queue: Subscription<PointCloud> = session.subscribe(channel, ROOM)?;
+    say("subscribed");
+    let message = queue.take(PATIENCE)?;
+    let data = message.field_bytes(DATA_FIELD)?; // Where the publisher wrote them.
+    let sum = |bytes: &mut dyn Iterator<Item = u8>| bytes.map(u64::from).sum::<u64>();
+    let came = (
+        data.len(),
+        data.first().copied(),
+        data.last().copied(),
+        sum(&mut data.iter().copied()),
+    );
+    let wanted = (
+        size,
+        bulk_bytes(size).next(),
+        bulk_bytes(size).last(),
+        sum(&mut bulk_bytes(size)),
+    );
+    if came != wanted {
+        return Err(format!(
+            "Size, first byte, last byte and sum are {came:?} instead of {wanted:?}."
+        )
+        .into());
+    }
+    say(&format!("received {size}"));
+    Ok(())
+}
+
+fn serve(session: &Session, name: &str) -> Result<(), Failure> {
+    let _service = session.serve(name, ServeOptions::default(), |request: Log| match request
+        .get_message()
+    {
+        "fail" => Err("asked to fail"),
+        text => Ok(log_of(&format!("re: {text}"))),
+    })?;
+    say("serving");
+    wait_for_end_of_input();
+    Ok(())
+}
+
+fn call(session: &Session, name: &str, text: &str) -> Result<(), Failure> {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        let reply: Result<Log, Error> = session.call(name, &log_of(text), PATIENCE);
+        match reply {
+            Ok(log) => say(&format!("answer {}", log.message)),
+            // Nothing else tells when a service comes.
+            Err(error) if error.status() == Status::NoServer && Instant::now() < deadline => {
+                std::thread::sleep(Duration::from_millis(10));
+                continue;
+            }
+            Err(error) => say(&format!("failed {error}")),
+        }
+        return Ok(());
+    }
+}
+
+fn misfit(session: &Session, channel: &str) -> Result<(), Failure> {
+    let _queue: Subscription<PoseInFrame> = session.subscribe(channel, ROOM)?;
+    say("subscribed");
+    wait_for_end_of_input();
+    Ok(())
+}
+
+/// Runs `work` until standard input is closed. Then the session ends, which wakes what waits.
+fn until_end_of_input(
+    session: &Session,
+    work: impl FnOnce() -> Result<(), Error>,
+) -> Result<(), Failure> {
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            wait_for_end_of_input();
+            over.store(true, Ordering::Release);
+            session.end();
+        });
+        match work() {
+            Err(error) if error.status() == Status::Closed && over.load(Ordering::Acquire) => {
+                Ok(())
+            }
+            Err(error) => {
+                eprintln!("{error}"); // The other thread still waits for the input.
+                std::process::exit(1);
+            }
+            Ok(()) => Ok(()),
+        }
+    })
+}
+
+fn stream(session: &Session, channel: &str) -> Result<(), Failure> {
+    let publisher = advertise(session, channel)?;
+    session.wait_for_subscribers(channel, 1, PATIENCE)?;
+    let mut sent = 0_u64;
+    until_end_of_input(session, || loop {
+        // Without a subscriber, messages that nobody gets are published at a low rate.
+        match session.wait_for_subscribers(channel, 1, Duration::from_millis(50)) {
+            Err(error) if error.status() != Status::TimedOut => return Err(error),
+            _ => {}
+        }
+        publisher.publish_wait(&log_of(&(sent + 1).to_string()), Duration::MAX)?;
+        sent += 1;
+        if sent == 1 {
+            say("streaming");
+        }
+    })?;
+    say(&format!("streamed {sent}"));
+    Ok(())
+}
+
+fn follow(session: &Session, channel: &str) -> Result<(), Failure> {
+    let queue: Subscription<Log> = session.subscribe(channel, ROOM)?;
+    let mut received = 0_u64;
+    until_end_of_input(session, || {
+        for log in &queue {
+            log?;
+            received += 1;
+            if received == 1 {
+                say("following");
+            }
+        }
+        Ok(())
+    })?;
+    say(&format!("followed {received}"));
+    Ok(())
+}

@@ -1,0 +1,3 @@
+fn main() {
+    hgros_build::generate(&["proto"], &["tests/robot.proto"]);
+}
