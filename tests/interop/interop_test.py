@@ -30,7 +30,7 @@ PATIENCE_S = 40  # A role itself waits 30 s, and then says what did not come.
 
 
 class Fault(Exception):
-    """What a pair did not do, with the last lines of the logs."""
+    """What a side did not do."""
 
 
 class Language:
@@ -45,10 +45,9 @@ class Language:
 class Side:
     """One side of a pair: a process that plays roles one after the other, or a process for each role if it cannot."""
 
-    def __init__(self, language, environment, log_file):
+    def __init__(self, language, environment):
         self.language = language
         self._environment = {**os.environ, **language.environment, **environment}
-        self._log_file = log_file
         self._process = None
         self._lines = queue.Queue()
         self._log = []
@@ -78,7 +77,7 @@ class Side:
         line = self._next_line()
         match = line is not None and re.fullmatch(pattern, line)
         if not match:
-            raise self.fault(f"{self.language.name} was to print \"{pattern}\", but " +
+            raise Fault(f"{self.language.name} was to print \"{pattern}\", but " +
                              ("ended" if line is None else f"printed \"{line}\""))
         return match
 
@@ -89,7 +88,7 @@ class Side:
 
         with self._log_grown:
             if not self._log_grown.wait_for(found, PATIENCE_S):
-                raise self.fault(f"the log of {self.language.name} has no line with " + " and ".join(words))
+                raise Fault(f"the log of {self.language.name} has no line with " + " and ".join(words))
             return found()
 
     def rest(self):
@@ -113,17 +112,17 @@ class Side:
         try:
             code = self._process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
-            raise self.fault(f"{self.language.name} does not end") from None
+            raise Fault(f"{self.language.name} does not end") from None
         self._reap()
         if code != 0:
-            raise self.fault(f"{self.language.name} ended with the code {code}")
+            raise Fault(f"{self.language.name} ended with the code {code}")
 
     def end_anyhow(self):
         if self._process is not None:
             self.kill()
 
-    def fault(self, sentence):
-        return Fault(sentence + ". The end of its log:\n" + "".join(f"    {line}\n" for line in self._log[-12:]))
+    def end_of_log(self):
+        return "".join(f"    {self.language.name}: {line}\n" for line in self._log[-12:])
 
     def _lines_ready(self):
         # A peer that talks says so first; one that cannot ends with an error.
@@ -164,13 +163,12 @@ class Side:
             with self._log_grown:
                 self._log.append(line.rstrip("\n"))
                 self._log_grown.notify_all()
-            print(f"{self.language.name}: {line}", end="", file=self._log_file)
 
     def _next_line(self):
         try:
             return self._lines.get(timeout=PATIENCE_S)
         except queue.Empty:
-            raise self.fault(f"{self.language.name} prints nothing") from None
+            raise Fault(f"{self.language.name} prints nothing") from None
 
 
 # The scenarios, from `sender` to `receiver`. Each one has channels of its own.
@@ -213,7 +211,7 @@ def mismatch(sender, receiver, channel):
     sender.expect("latched")
     receiver.play("misfit", channel)
     receiver.expect("subscribed")
-    receiver.expect_log(channel, "foxglove.Log", "foxglove.PoseInFrame")
+    receiver.expect_log(channel, "foxglove.Log", "foxglove.PoseInFrame", "session ")
 
 
 def killed(sender, receiver, channel):
@@ -275,7 +273,7 @@ class SharedMemory:
 _tcp_pairs = itertools.count()
 
 
-def run_transport(languages, transport, log_file):
+def run_transport(languages, transport):
     """All scenarios over one transport, in both directions. Returns the seconds of each scenario."""
     times = {}
 
@@ -287,16 +285,15 @@ def run_transport(languages, transport, log_file):
             try:
                 scenario(sides[sender], sides[receiver], f"{name}{way}")
             except (Fault, OSError) as fault:
-                others = sides[1 - receiver if "log of " + languages[receiver].name in str(fault) else sender]
-                raise Fault(f"{languages[sender].name} to {languages[receiver].name} over {transport.name}, {name}: {fault}"
-                            f"The log of {others.language.name}:\n" +
-                            "".join(f"    {line}\n" for line in others._log[-12:])) from None
+                logs = "".join(side.end_of_log() for side in sides)
+                raise Fault(f"{languages[sender].name} to {languages[receiver].name} over {transport.name}, {name}: "
+                            f"{fault}.\n{logs}") from None
             times[name] = times.get(name, 0) + time.monotonic() - begin
 
     for scenarios, quiet in ((QUIET, True), ({"killed": killed}, False)):
         with contextlib.ExitStack() as stack:
             begin = time.monotonic()
-            sides = [Side(language, environment, log_file)
+            sides = [Side(language, environment)
                      for language, environment in zip(languages, transport.environments(quiet))]
             for side in sides:
                 stack.callback(side.end_anyhow)
@@ -308,14 +305,13 @@ def run_transport(languages, transport, log_file):
     return times
 
 
-def run_pair(first, second, log_file=subprocess.DEVNULL):
+def run_pair(first, second):
     """Raises Fault; returns the line about the pair."""
     begin = time.monotonic()
-    folder = tempfile.mkdtemp(prefix="hgros-")
-    log_path = pathlib.Path(folder, "log")
+    folder = tempfile.mkdtemp(prefix="interop-")
     try:
-        with open(log_path, "w", encoding="utf-8") as log, concurrent.futures.ThreadPoolExecutor(2) as threads:
-            runs = {transport.name: threads.submit(run_transport, (first, second), transport, log)
+        with concurrent.futures.ThreadPoolExecutor(2) as threads:
+            runs = {transport.name: threads.submit(run_transport, (first, second), transport)
                     for transport in (SharedMemory(folder), Tcp(folder))}
             times = {name: one.result() for name, one in runs.items()}
     finally:
