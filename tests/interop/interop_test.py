@@ -250,7 +250,7 @@ class Tcp:
 
     def environments(self, quiet):
         # A lossless publisher waits so long for a subscriber that was killed.
-        life = "" if quiet else ", heartbeat_ms: 100, peer_timeout_ms: 700"
+        life = "" if quiet else ", heartbeat_ms: 100, peer_timeout_ms: 500"
         for own, other in (self._ports, reversed(self._ports)):
             yield {"XDG_RUNTIME_DIR": self._folder, "HGROS_DOMAIN": "none", "HGROS_INTEROP_YAML":
                    f"discovery: {{local: false}}\n"
@@ -266,7 +266,8 @@ class SharedMemory:
         self._folder = folder
 
     def environments(self, quiet):
-        one = {"XDG_RUNTIME_DIR": self._folder, "HGROS_DOMAIN": "interop", "HGROS_INTEROP_YAML": ""}
+        # Also with its own folder a session finds those of its domain in other folders.
+        one = {"XDG_RUNTIME_DIR": self._folder, "HGROS_DOMAIN": self._folder.name, "HGROS_INTEROP_YAML": ""}
         return (one, one)
 
 
@@ -308,7 +309,7 @@ def run_transport(languages, transport):
 def run_pair(first, second):
     """Raises Fault; returns the line about the pair."""
     begin = time.monotonic()
-    folder = tempfile.mkdtemp(prefix="interop-")
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="interop-"))
     try:
         with concurrent.futures.ThreadPoolExecutor(2) as threads:
             runs = {transport.name: threads.submit(run_transport, (first, second), transport)
