@@ -159,8 +159,8 @@ class Peer {
     const auto publish = session_.Advertise<Log>(channel);
     AwaitSubscriber(channel);
     for (int i = 1; i <= std::stoi(count); ++i) {
-      const auto status = publish.Wait(std::make_unique<Log>(Text(std::to_string(i))),
-                                       std::chrono::steady_clock::now() + kPatience);
+      const auto status =
+          publish.Wait(std::make_unique<Log>(Text(std::to_string(i))), std::chrono::steady_clock::now() + kPatience);
       Require(status == hgros::PublishStatus::kOk, "Message " + std::to_string(i) + " was not published.");
     }
     Say("published " + count);
@@ -196,8 +196,8 @@ class Peer {
 
   void Late(const std::string& channel, const std::string& /*unused*/) {
     Finding text;
-    const auto subscription = session_.FromAny<Log>(channel, hgros::Invoke::kSerial,
-                                                    [&](const Log& log) { text.Set(log.message()); });
+    const auto subscription =
+        session_.FromAny<Log>(channel, hgros::Invoke::kSerial, [&](const Log& log) { text.Set(log.message()); });
     Say("late " + text.Await(channel));
   }
 
@@ -247,8 +247,8 @@ class Peer {
   }
 
   void Misfit(const std::string& channel, const std::string& /*unused*/) {
-    const auto subscription = session_.FromAny<foxglove::PoseInFrame>(channel, hgros::Invoke::kSerial,
-                                                                      [](const foxglove::PoseInFrame&) {});
+    const auto subscription =
+        session_.FromAny<foxglove::PoseInFrame>(channel, hgros::Invoke::kSerial, [](const foxglove::PoseInFrame&) {});
     Say("subscribed");
     input_.Await();
   }
