@@ -277,37 +277,34 @@ _tcp_pairs = itertools.count()
 def run_transport(languages, transport):
     """All scenarios over one transport, in both directions. Returns the seconds of each scenario."""
     times = {}
-
-    def run(name, scenario, sides):
-        # A language with itself needs one direction only.
-        ways = [(0, 1)] if languages[0] is languages[1] else [(0, 1), (1, 0)]
-        for way, (sender, receiver) in enumerate(ways):
-            begin = time.monotonic()
-            try:
-                scenario(sides[sender], sides[receiver], f"{name}{way}")
-            except (Fault, OSError) as fault:
-                logs = "".join(side.end_of_log() for side in sides)
-                raise Fault(f"{languages[sender].name} to {languages[receiver].name} over {transport.name}, {name}: "
-                            f"{fault}.\n{logs}") from None
-            times[name] = times.get(name, 0) + time.monotonic() - begin
-
+    # A language with itself needs one direction only.
+    ways = [(0, 1)] if languages[0] is languages[1] else [(0, 1), (1, 0)]
     for scenarios, quiet in ((QUIET, True), ({"killed": killed}, False)):
         with contextlib.ExitStack() as stack:
-            begin = time.monotonic()
-            sides = [Side(language, environment)
-                     for language, environment in zip(languages, transport.environments(quiet))]
-            for side in sides:
-                stack.callback(side.end_anyhow)
-                side.start()
-            for name, scenario in scenarios.items():
-                run(name, scenario, sides)
-            for side in sides:
-                side.finish()
+            sides = [Side(*both) for both in zip(languages, transport.environments(quiet))]
+            doing = "starting"
+            try:
+                for side in sides:
+                    stack.callback(side.end_anyhow)
+                    side.start()
+                for name, scenario in scenarios.items():
+                    begin = time.monotonic()
+                    for way, (sender, receiver) in enumerate(ways):
+                        doing = f"{name} from {languages[sender].name} to {languages[receiver].name}"
+                        scenario(sides[sender], sides[receiver], f"{name}{way}")
+                    times[name] = time.monotonic() - begin
+                doing = "ending"
+                for side in sides:
+                    side.finish()
+            except (Fault, OSError) as fault:
+                logs = "".join(side.end_of_log() for side in sides)
+                pair = " and ".join(language.name for language in languages)
+                raise Fault(f"{pair} over {transport.name}, {doing}: {fault}.\n{logs}") from None
     return times
 
 
-def run_pair(first, second):
-    """Raises Fault; returns the line about the pair."""
+def run_pair(first, second, with_times):
+    """Raises Fault; returns the lines about the pair."""
     begin = time.monotonic()
     folder = pathlib.Path(tempfile.mkdtemp(prefix="interop-"))
     try:
@@ -318,12 +315,12 @@ def run_pair(first, second):
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     ways = "one way" if first is second else "both ways"
-    spent = time.monotonic() - begin
-    if os.environ.get("HGROS_INTEROP_TIMES"):
-        for name, scenarios in times.items():
-            print("   ", name, " ".join(f"{key} {value:.2f}" for key, value in scenarios.items()))
-    return (f"{first.name} and {second.name}, {ways}, shared memory and tcp: {COUNT} messages, latched, "
-            f"{CLOUD_BYTES // 1_000_000} MB, service, mismatch, SIGKILL ({spent:.1f} s)")
+    lines = [f"{first.name} and {second.name}, {ways}, shared memory and tcp: {COUNT} messages, latched, "
+             f"{CLOUD_BYTES // 1_000_000} MB, service, mismatch, SIGKILL ({time.monotonic() - begin:.1f} s)"]
+    if with_times:
+        lines += [f"    {name}: " + ", ".join(f"{what} {seconds:.2f} s" for what, seconds in scenarios.items())
+                  for name, scenarios in times.items()]
+    return "\n".join(lines)
 
 
 def main():
@@ -332,6 +329,7 @@ def main():
     parser.add_argument("languages", nargs="*")
     parser.add_argument("--pair", nargs=2)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--times", action="store_true", help="also the seconds of each scenario")
     arguments = parser.parse_args()
     listed = {entry["name"]: Language(entry)
               for entry in json.loads(pathlib.Path(arguments.list).read_text(encoding="utf-8"))}
@@ -351,7 +349,7 @@ def main():
     failed = 0
     begin = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as threads:
-        runs = [threads.submit(run_pair, *pair) for pair in pairs]
+        runs = [threads.submit(run_pair, *pair, arguments.times) for pair in pairs]
         for run in runs:
             try:
                 print(run.result(), flush=True)
