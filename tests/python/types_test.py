@@ -81,6 +81,7 @@ class Types(RobotTest):
         self.assertIn('channel "channel"', logged.output[0])
         self.assertIn("foxglove.LaserScan", logged.output[0])
         self.assertIn("foxglove.Log", logged.output[0])
+        self.assertRegex(logged.output[0], "session [0-9a-f]{16}")
         self.assertEqual(messages.not_decoded, 1)
 
     def test_messages_of_the_library_and_of_python_are_one_type(self):

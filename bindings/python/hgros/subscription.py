@@ -32,7 +32,7 @@ class Reader:
         while (taken := self._inbox.next()) is not None:
             wire, schema, info, self.more = taken
             if schema is not None:
-                self._use(schema)
+                self._use(schema, info)
             if self._decode is not None:
                 try:
                     return self._decode(wire), info
@@ -42,7 +42,7 @@ class Reader:
         self.more = False
         return None
 
-    def _use(self, schema: _hgros.Schema) -> None:
+    def _use(self, schema: _hgros.Schema, info: _hgros.MessageInfo) -> None:
         self._decode = None  # Never that of another publisher.
         try:
             self._decode = decoder(schema, self._wanted, self.channel)
@@ -51,7 +51,7 @@ class Reader:
             if kind not in self._refused:
                 self._refused.add(kind)
                 if isinstance(fault, Error):
-                    logger.error("%s", fault)
+                    logger.error("%s They come from session %016x.", fault, info.publisher)
                 else:
                     logger.exception('Messages on channel "%s" of type %s cannot be read.', self.channel, schema.type_name)
 

@@ -1,0 +1,209 @@
+"""The peer in Python. ../README.md says what each role does."""
+
+import os
+import select
+import sys
+import threading
+import time
+from typing import Callable
+
+import numpy as np
+
+import hgros
+from foxglove.Log_pb2 import Log
+from foxglove.PointCloud_pb2 import PointCloud
+from foxglove.PoseInFrame_pb2 import PoseInFrame
+
+PATIENCE_S = 30.0
+SLICE_S = 0.1
+ROOM = hgros.KeepAll(100)
+
+
+class Fault(Exception):
+    """Something that is not part of the role."""
+
+
+def say(line: str) -> None:
+    print(line, flush=True)
+
+
+class Input:
+    """The lines of standard input."""
+
+    def __init__(self) -> None:
+        self._text = b""
+        self._ended = False
+
+    def waits(self, timeout_s: float | None = None) -> bool:
+        """Whether there is a next line, or the end, within the timeout; without one it waits for that."""
+        while not self._ended and b"\n" not in self._text:
+            if not select.select([0], [], [], timeout_s)[0]:
+                return False
+            part = os.read(0, 4096)
+            self._text += part
+            self._ended = not part
+        return True
+
+    def next(self) -> str | None:
+        self.waits()
+        line, end, rest = self._text.partition(b"\n")
+        if not end:
+            return None
+        self._text = rest
+        return line.decode()
+
+
+def pattern(size: int) -> np.ndarray:
+    return ((np.arange(size, dtype=np.uint64) * 7 + 3) & 255).astype(np.uint8)
+
+
+class Peer:
+    def __init__(self, robot: hgros.Session) -> None:
+        self.robot = robot
+        self.input = Input()
+        robot.start()  # For services and `follow`.
+
+    def run(self, role: str, *arguments: str) -> None:
+        roles: dict[str, Callable[..., None]] = {
+            "talk": self.talk, "publish": self.publish, "subscribe": self.subscribe, "latch": self.latch,
+            "late": self.late, "bulk-publish": self.bulk_publish, "bulk-subscribe": self.bulk_subscribe,
+            "serve": self.serve, "call": self.call, "misfit": self.misfit, "stream": self.stream, "follow": self.follow}
+        if role not in roles:
+            raise Fault(f"There is no role {role}.")
+        roles[role](*arguments)
+
+    def talk(self) -> None:
+        say("ready")
+        while (line := self.input.next()) is not None:
+            if words := line.split():
+                self.run(*words)
+
+    def await_subscriber(self, channel: str) -> None:
+        if not self.robot.wait_for_subscribers(channel, timeout=PATIENCE_S):
+            raise Fault(f"No subscriber came to {channel}.")
+
+    def publish(self, channel: str, count: str) -> None:
+        publisher = self.robot.advertise(channel, Log)
+        self.await_subscriber(channel)
+        for number in range(1, int(count) + 1):
+            publisher.publish(Log(message=str(number)), timeout=PATIENCE_S)
+        say(f"published {count}")
+        self.input.waits()
+
+    def subscribe(self, channel: str, count: str) -> None:
+        with self.robot.messages(channel, Log, timeout=PATIENCE_S, queue=ROOM) as messages:
+            say("subscribed")
+            for number in range(1, int(count) + 1):
+                if (log := next(messages, None)) is None:
+                    raise Fault(f"Message {number} did not come on {channel}.")
+                if log.message != str(number):
+                    raise Fault(f'"{log.message}" came, not {number}.')
+            say(f"received {count}")
+
+    def latch(self, channel: str, text: str) -> None:
+        self.robot.advertise(channel, Log, latched=1).publish(Log(message=text))
+        say("latched")
+        self.input.waits()
+
+    def late(self, channel: str) -> None:
+        with self.robot.messages(channel, Log, timeout=PATIENCE_S) as messages:
+            if (log := next(messages, None)) is None:
+                raise Fault(f"Nothing came on {channel}.")
+            say(f"late {log.message}")
+
+    def bulk_publish(self, channel: str, size: str) -> None:
+        publisher = self.robot.advertise(channel, PointCloud)
+        self.await_subscriber(channel)
+        with publisher.loan(int(size), timeout=PATIENCE_S) as cloud:
+            cloud.point_stride = 1
+            np.frombuffer(hgros.data(cloud), np.uint8)[:] = pattern(int(size))
+        say(f"published {size}")
+        self.input.waits()
+
+    def bulk_subscribe(self, channel: str, size: str) -> None:
+        with self.robot.messages(channel, PointCloud, timeout=PATIENCE_S, queue=ROOM) as messages:
+            say("subscribed")
+            if (cloud := next(messages, None)) is None:
+                raise Fault(f"Nothing came on {channel}.")
+            if len(cloud.data) != int(size):
+                raise Fault(f"The cloud has {len(cloud.data)} bytes.")
+            data = np.frombuffer(cloud.data, np.uint8)
+            expected = pattern(int(size))
+            if data[0] != expected[0] or data[-1] != expected[-1] or data.sum() != expected.sum():
+                raise Fault("The cloud has other bytes.")
+            say(f"received {size}")
+
+    def serve(self, name: str) -> None:
+        def answer(request: Log) -> Log:
+            if request.message == "fail":
+                raise Fault("asked to fail")
+            return Log(message=f"re: {request.message}")
+
+        service = self.robot.serve(name, Log, Log, answer)
+        say("serving")
+        self.input.waits()
+        service.end()
+
+    def call(self, name: str, text: str) -> None:
+        deadline = time.monotonic() + PATIENCE_S
+        while True:
+            try:
+                say(f"answer {self.robot.call(name, Log(message=text), Log, timeout=PATIENCE_S).result().message}")
+                return
+            except hgros.CallError as error:
+                if error.kind != "no server" or time.monotonic() > deadline:
+                    say(f"failed {error}")
+                    return
+            if self.input.waits(0.01):
+                raise Fault(f"Nobody serves {name}.")
+
+    def misfit(self, channel: str) -> None:
+        subscription = self.robot.subscribe(channel, PoseInFrame, lambda pose, info: None)
+        say("subscribed")
+        self.input.waits()
+        subscription.end()
+
+    def stream(self, channel: str) -> None:
+        publisher = self.robot.advertise(channel, Log)
+        self.await_subscriber(channel)
+        sent = 0
+        while not self.input.waits(0):
+            try:
+                publisher.publish(Log(message=str(sent + 1)), timeout=SLICE_S)
+            except hgros.QueueFull:
+                continue
+            sent += 1
+            if sent == 1:
+                say("streaming")
+        say(f"streamed {sent}")
+
+    def follow(self, channel: str) -> None:
+        count = 0
+        lock = threading.Lock()
+
+        def on_log(log: Log, info: hgros.MessageInfo) -> None:
+            nonlocal count
+            with lock:
+                count += 1
+                if count == 1:
+                    say("following")
+
+        subscription = self.robot.subscribe(channel, Log, on_log, queue=ROOM)
+        self.input.waits()
+        subscription.end()
+        with lock:
+            say(f"followed {count}")
+
+
+def main() -> int:
+    try:
+        with hgros.Session(text=os.environ.get("HGROS_INTEROP_YAML", "")) as robot:
+            Peer(robot).run(*sys.argv[1:])
+        return 0
+    except (Fault, hgros.Error, TypeError) as error:
+        print(f"peer: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
