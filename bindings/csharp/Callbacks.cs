@@ -1,0 +1,65 @@
+using System;
+using System.Diagnostics;
+using System.Reflection;
+using System.Runtime.InteropServices;
+using System.Threading;
+
+namespace Hgros {
+  // Calls from the library into the program. `user` is a GCHandle of the program's object, until Release is called.
+  // No exception leaves such a call: it would have to unwind through C.
+  internal static class Callbacks {
+    [ThreadStatic] private static int depth;
+    [ThreadStatic] private static bool known; // Whether this thread has run a callback.
+
+    internal static readonly Native.Release Release = user => {
+      if (user != IntPtr.Zero) GCHandle.FromIntPtr(user).Free();
+    };
+
+    // Whether this thread runs a callback.
+    internal static bool Running => depth > 0;
+
+    internal static IntPtr User(object target) => GCHandle.ToIntPtr(GCHandle.Alloc(target));
+
+    internal static T Target<T>(IntPtr user) => (T)GCHandle.FromIntPtr(user).Target;
+
+    // Runs a callback of the program. Its exception, if there is one, goes to `failed`.
+    internal static void Run(Action callback, Action<Exception> failed) {
+      if (!known) LeaveOutOfShutdown();
+      ++depth;
+      try {
+        callback();
+      } catch (Exception exception) {
+        Report(exception, failed);
+      } finally {
+        --depth;
+      }
+    }
+
+    // Before 6.12, Mono waits at its end for each foreign thread that has ever run managed code (mono/mono#20466), but
+    // the library keeps its workers. So they get the flag by which Mono leaves threads of its own alone.
+    private static void LeaveOutOfShutdown() {
+      known = true;
+      const BindingFlags fields = BindingFlags.NonPublic | BindingFlags.Instance;
+      object thread = typeof(Thread).GetField("internal_thread", fields)?.GetValue(Thread.CurrentThread);
+      FieldInfo flags = thread?.GetType().GetField("flags", fields);
+      if (flags == null || flags.FieldType != typeof(IntPtr) || !IsForeign()) return;
+      const int dontManage = 1;
+      flags.SetValue(thread, (IntPtr)((long)(IntPtr)flags.GetValue(thread) | dontManage));
+    }
+
+    // A foreign thread begins with a callback, every other with code of the program or of Mono.
+    private static bool IsForeign() {
+      var stack = new StackTrace();
+      MethodBase first = stack.GetFrame(stack.FrameCount - 1)?.GetMethod();
+      return first?.DeclaringType?.Assembly == typeof(Callbacks).Assembly;
+    }
+
+    private static void Report(Exception exception, Action<Exception> failed) {
+      try {
+        failed(exception);
+      } catch (Exception second) {
+        Console.Error.WriteLine("hgros: an exception of a callback cannot be reported: " + second.Message);
+      }
+    }
+  }
+}

@@ -1,0 +1,206 @@
+using System;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.IO;
+using System.Linq;
+using System.Threading;
+using System.Threading.Tasks;
+using Hgros;
+using static Test;
+
+// Sessions: their ends, errors, peers and log.
+public static class SessionTest {
+  private static readonly DynamicType Log = DynamicType.Known("foxglove.Log");
+
+  [Test]
+  public static void WhatWaitsIsWoken() {
+    var session = new Session();
+    RawSubscription ended = session.SubscribeRaw("a"), disposed = session.SubscribeRaw("b");
+    var cancel = new CancellationTokenSource();
+    Task<Message> cancelled = ended.TakeAsync(cancel.Token);
+    cancel.Cancel();
+    Throws<OperationCanceledException>(() => Soon(cancelled));
+    Throws<OperationCanceledException>(() => ended.Take(cancel.Token));
+
+    Task<Message> waiting = disposed.TakeAsync();
+    Thread blocked = Run(() => Fails(Code.Closed, () => disposed.Take()));
+    disposed.Dispose();
+    Soon(blocked);
+    var failure = Throws<Exception>(() => Soon(waiting));
+    True(failure is ObjectDisposedException || (failure as HgrosException)?.Code == Code.Closed, "it is closed");
+    Throws<ObjectDisposedException>(() => disposed.Take());
+
+    waiting = ended.TakeAsync();
+    blocked = Run(() => Fails(Code.Closed, () => ended.Take()));
+    session.End();
+    Fails(Code.Closed, () => Soon(waiting));
+    Soon(blocked);
+    session.Dispose();
+    session.Dispose();
+    Throws<ObjectDisposedException>(() => session.SubscribeRaw("c"));
+    Throws<ObjectDisposedException>(() => session.Log(LogLevel.Info, "hello"));
+    Fails(Code.Closed, () => ended.Take());
+    ended.Dispose();
+  }
+
+  [Test]
+  public static void ManyTasksWaitWithOneThread() {
+    using (var session = new Session())
+    using (var publisher = session.Advertise("go", Log)) {
+      var queues = Enumerable.Range(0, 100).Select(i => session.Subscribe("go", Log)).ToList();
+      var texts = queues.Select(queue => queue.NextAsync()).ToArray();
+      int threads = Threads();
+      True(threads < 60, threads + " threads are few");
+      publisher.Publish(new DynamicMessage(Log) { ["message"] = "all" });
+      Equal(100, Soon(Task.WhenAll(texts)).Count(log => (string)log["message"] == "all"));
+    }
+  }
+
+  private static int Threads() => Directory.GetDirectories("/proc/self/task").Length;
+
+  [Test]
+  public static void EndsInEveryCallback() {
+    var session = new Session();
+    var gone = new ManualResetEventSlim();
+    Listener listener = null;
+    Transforms transforms = session.OpenTransforms();
+    Params parameters = session.OpenParams();
+    var publisher = session.Advertise("stop", Log);
+    var ready = new ManualResetEventSlim();
+    listener = session.Listen("stop", Log, log => {
+      ready.Wait(Patience);
+      listener.Dispose();
+      transforms.Dispose();
+      parameters.Dispose();
+      session.Dispose();
+      gone.Set();
+    });
+    ready.Set();
+    publisher.Publish(new DynamicMessage(Log));
+    True(gone.Wait(Patience), "the callback returns");
+    session.Dispose(); // Waits until it is closed.
+    Throws<ObjectDisposedException>(() => session.End());
+    Throws<ObjectDisposedException>(() => transforms.Lookup("a", "b"));
+    Fails(Code.Closed, () => publisher.Publish(new DynamicMessage(Log)));
+  }
+
+  [Test]
+  public static void ClosesWhileOthersUseIt() {
+    for (int round = 0; round < 20; ++round) {
+      var session = new Session();
+      var publisher = session.Advertise("words", Log);
+      var queue = session.Subscribe("words", Log, new SubscribeOptions { KeepAll = 1 });
+      var users = Enumerable.Range(0, 4).Select(i => Run(() => {
+        try {
+          while (true) {
+            if (i % 2 == 0) publisher.PublishWait(new DynamicMessage(Log));
+            else if (i == 1) queue.Next();
+            else queue.NextAsync().Wait();
+          }
+        } catch (ObjectDisposedException) {
+        } catch (HgrosException failure) when (failure.Code == Code.Closed) {
+        } catch (AggregateException failure) when (failure.InnerException is ObjectDisposedException ||
+          (failure.InnerException as HgrosException)?.Code == Code.Closed) {}
+      })).ToList();
+      Until("messages come", () => queue.Stats.Taken > 10);
+      if (round % 2 == 0) queue.Dispose();
+      session.Dispose();
+      users.ForEach(Soon);
+      publisher.Dispose();
+      queue.Dispose();
+    }
+  }
+
+  [Test]
+  public static void ForgottenCallbacksLiveAsLongAsTheirSession() {
+    const int count = 20;
+    var heard = new CountdownEvent(count);
+    WeakReference queue = null;
+    WeakReference[] listeners = null;
+    var session = new Session();
+    Soon(Run(() => {
+      queue = new WeakReference(session.Subscribe("words", Log));
+      listeners = Enumerable.Range(0, count)
+        .Select(i => new WeakReference(session.Listen("words", Log, log => heard.Signal()))).ToArray();
+    }));
+    Until("a forgotten queue is collected", () => Collected(new[] { queue }) == 1);
+    using (var publisher = session.Advertise("words", Log)) publisher.Publish(new DynamicMessage(Log));
+    True(heard.Wait(Patience), "forgotten callbacks are called");
+    session.Dispose();
+    // Old values on the stacks of threads may keep some.
+    Until("most are collected after their session", () => Collected(listeners) > count / 2);
+  }
+
+  private static int Collected(WeakReference[] references) {
+    GC.Collect();
+    GC.WaitForPendingFinalizers();
+    return references.Count(reference => !reference.IsAlive);
+  }
+
+  [Test]
+  public static void ErrorsHaveACodeAndASentence() {
+    Contains("sesion", Fails(Code.ConfigError, () => new Session("sesion: {}")));
+    Contains("/no/such.yaml", Fails(Code.ConfigError, () => Session.FromFiles(new[] { "/no/such.yaml" })));
+    Fails(Code.NotFound, () => Schema.Known("no.Such"));
+    Fails(Code.Failed, () => Schema.Protobuf("no.Such", new byte[] { 1, 2, 3 }));
+    Throws<ArgumentOutOfRangeException>(() => Raw(TimeSpan.FromSeconds(-5)));
+    using (var session = new Session()) {
+      Fails(Code.InvalidArgument, () => session.SubscribeRaw(null));
+      Fails(Code.Failed, () => session.SubscribeRaw("no name\n"));
+      Fails(Code.TimedOut, () => Raw(TimeSpan.Zero, session));
+    }
+  }
+
+  private static void Raw(TimeSpan timeout, Session session = null) {
+    using (var own = new Session())
+    using ((session ?? own).AdvertiseRaw("raw", Schema.Raw("my.bytes")))
+      (session ?? own).WaitForSubscribers("raw", 1, timeout);
+  }
+
+  [Test]
+  public static void TheLogGoesToTheProgram() {
+    var lines = new BlockingCollection<string>();
+    string file = Path.GetTempFileName();
+    File.WriteAllText(file, "shared_memory: {limit_bytes: 1000000}\n");
+    var options = new SessionOptions { Name = "lögger", Log = (level, line) => lines.Add(level + " " + line) };
+    using (var session = Session.FromFiles(new[] { file }, options)) {
+      File.Delete(file);
+      Equal("lögger", session.Name);
+      session.SetLogLevel(LogLevel.Warning);
+      session.Log(LogLevel.Info, "It is dry.");
+      session.Log(LogLevel.Warning, "It rains.");
+      string line;
+      do True(lines.TryTake(out line, Patience), "the line comes");
+      while (line.StartsWith("Info") && !line.Contains("dry"));
+      Equal("Warning It rains.", line);
+    }
+  }
+
+  [Test]
+  public static void PeersAndChannelsAreSeen() {
+    var came = new BlockingCollection<ulong>();
+    var left = new BlockingCollection<string>();
+    using (var here = new Session())
+    using (here.OnPeer((happened, peer, channel, reason) => {
+      if (happened == PeerEvent.Came) came.Add(peer.Id);
+      if (happened == PeerEvent.Gone) left.Add(peer.Process + " " + reason);
+    }))
+    using (here.Subscribe("words", Log)) {
+      var there = new Session("", new SessionOptions { Name = "other" });
+      there.Advertise("words", Log);
+      there.WaitForSubscribers("words", 1, Patience);
+      ulong id;
+      True(came.TryTake(out id, Patience), "a session comes");
+      Equal(there.Id, id);
+      Peer seen = here.Peers().Single();
+      Equal("other", seen.Process);
+      Equal("shared memory", seen.Transport);
+      Until("the channel is known", () => here.Channels().Any(channel => channel.Name == "words" &&
+        channel.TypeName == "foxglove.Log" && channel.Publishers == 1 && channel.Subscribers == 1));
+      there.Dispose();
+      string why;
+      True(left.TryTake(out why, Patience), "it goes");
+      Contains("other ", why);
+    }
+  }
+}
