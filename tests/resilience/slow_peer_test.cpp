@@ -133,6 +133,31 @@ TEST(StoppedSubscriber, MissesNothingIfItIsLosslessAndContinuesInTime) {
   EXPECT_EQ(publisher["missed"], 0U);
 }
 
+// More than the buffers of the connection hold, and less than its credit: ZeroMQ has the rest.
+TEST(StoppedSubscriber, IsToldOfAtTheEndOfAPublisherThatCannotSendAll) {
+  for (const bool stops : {false, true}) {
+    const std::uint16_t port = FreePort();
+    WorkerProcess publisher({Publishing(TcpEndpoint(port)), "--out=images", "--await=1",
+                             "--size=" + std::to_string(2 * kLargeBytes), "--count=40", "--period-us=20000"});
+    const WorkerProcess subscriber({Subscribing(TcpEndpoint(port)), "--in=images", "--keep-all=64"});
+    ASSERT_TRUE(subscriber.Reaches({{"received", 1}})) << publisher << subscriber;
+    if (stops) subscriber.Stop();
+    ASSERT_TRUE(publisher.Reaches({{"published", 40}})) << publisher;
+    EXPECT_EQ(publisher.Finish(), 0) << publisher;
+    std::ostringstream out;
+    EXPECT_TRUE(Await([&] {
+      out.str({});
+      out << publisher;
+      return !stops ||
+             out.str().find("messages of lossless channels, such as \"images\", may be lost.") != std::string::npos;
+    })) << publisher;
+    EXPECT_EQ(out.str().find("may be lost") != std::string::npos, stops) << publisher;
+    if (!stops) {
+      EXPECT_TRUE(subscriber.Reaches({{"received", 40}})) << subscriber;
+    }
+  }
+}
+
 TEST(LosslessSubscriber, GetsEveryMessageOnceAndInOrderIfItIsSlow) {
   const ScratchFolder folder;
   const std::string bus = folder.Endpoint("bus");

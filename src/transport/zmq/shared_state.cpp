@@ -24,6 +24,15 @@ SharedState::SharedState(ZmqOptions given, TransportListener& told, Log& voice)
       session_keys_(peers, options.session,
                     options.security ? KeyText(options.security->own.public_key, "own public") : "") {}
 
+SharedState::~SharedState() {
+  context.Terminate();
+  if (lingering.messages == 0 || std::chrono::steady_clock::now() < lingering.until) return;
+  log.Write(LogLevel::kWarning, "The session has ended before its connections had sent everything: up to " +
+                                    std::to_string(lingering.messages) + " messages of lossless channels, such as \"" +
+                                    lingering.channel +
+                                    "\", may be lost. Keep the session until its subscribers have taken them.");
+}
+
 bool SharedState::MayClaim(SessionId session, std::string_view key, std::string_view where) {
   if (!options.security || session_keys_.Claim(session, key)) return true;
   CountFault(PacketFault::kHead, where,

@@ -3,8 +3,10 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <string_view>
 
 #include "hgros/base/fork_guard.hpp"
@@ -29,6 +31,10 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 /// Thread safety: thread-safe. `options` and `self` never change.
 struct SharedState {
   SharedState(ZmqOptions given, TransportListener& told, Log& voice);
+  SharedState(const SharedState&) = delete;
+  SharedState& operator=(const SharedState&) = delete;
+  /// All sockets are closed. Waits for what they still send, and says so if that took longer than they linger.
+  ~SharedState();
 
   /// Whether what came over a connection with this key may be in the name of that session; counts and logs it if not.
   /// Always true without keys. On the leading thread.
@@ -62,6 +68,13 @@ struct SharedState {
   std::atomic<bool> closing{false};
   InputFlags input_flags;
   Context context;
+  /// At the end of the transport.
+  struct Lingering {
+    SteadyTime until{};
+    std::uint64_t messages = 0;  ///< Sent on lossless channels, and not confirmed.
+    std::string channel{};       ///< One of those.
+  };
+  Lingering lingering;
 
  private:
   void CountFaultLike(std::string_view alike, PacketFault fault, std::string_view where, std::string_view what);

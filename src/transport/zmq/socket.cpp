@@ -36,9 +36,9 @@ Context::Context() : raw_(nullptr) {
   ThrowZmq("Cannot start ZeroMQ");
 }
 
-Context::~Context() {
-  if (raw_ == nullptr) return;
-  while (zmq_ctx_term(raw_) != 0 && zmq_errno() == EINTR) {
+void Context::Terminate() noexcept {
+  void* const raw = std::exchange(raw_, nullptr);
+  while (raw != nullptr && zmq_ctx_term(raw) != 0 && zmq_errno() == EINTR) {
   }
 }
 

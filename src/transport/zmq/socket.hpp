@@ -26,11 +26,13 @@ class Context {
  public:
   /// Throws Error.
   Context();
-  ~Context();
+  ~Context() { Terminate(); }
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
   [[nodiscard]] void* raw() const noexcept { return raw_; }
+  /// Waits until the sockets, which are all closed, have sent what they linger for.
+  void Terminate() noexcept;
   /// Forgets the context without touching it, for a forked child.
   void Abandon() noexcept { raw_ = nullptr; }
 

@@ -80,6 +80,7 @@ void ZmqCore::Close(int linger_ms) noexcept {
   Actions unheard;  // Destroyed after the lock, because messages may be destroyed with it.
   const std::unique_lock lock(mutex_);
   closed_ = true;
+  shared_.lingering.until = std::chrono::steady_clock::now() + std::chrono::milliseconds(linger_ms);
   for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, false, unheard);
   for (const auto& endpoint : publishers_) endpoint->Close(linger_ms, unheard);
   if (desk_) desk_->Close();

@@ -9,6 +9,7 @@
 namespace hgros::zmq {
 namespace {
 
+constexpr std::string_view kOfTheLibrary = "hgros/";
 constexpr std::size_t kMaxPlainTopics = 16384;  // A limit against strangers, who could fill the memory.
 
 }  // namespace
@@ -75,6 +76,15 @@ std::size_t PublishedChannels::Unfinished(const OutboundCore& core) const {
     if (link->flow.lossless()) unfinished += link->flow.unfinished();
   }
   return unfinished;
+}
+
+void PublishedChannels::AddUnconfirmed(SharedState::Lingering& lingering) const {
+  for (const auto& [name, channel] : channels_) {
+    if (name.starts_with(kOfTheLibrary)) continue;
+    const std::size_t unconfirmed = Unfinished(*channel.core);
+    lingering.messages += unconfirmed;
+    if (unconfirmed > 0) lingering.channel = name;
+  }
 }
 
 void PublishedChannels::Reserve(const OutboundCore& core) {

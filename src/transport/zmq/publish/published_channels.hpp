@@ -50,6 +50,8 @@ class PublishedChannels {
   [[nodiscard]] bool HasRoom(const OutboundCore& core) const;
   /// Number of messages that lossless subscribers have not consumed.
   [[nodiscard]] std::size_t Unfinished(const OutboundCore& core) const;
+  /// Adds the messages of lossless channels that were sent and not confirmed.
+  void AddUnconfirmed(SharedState::Lingering& lingering) const;
   void Reserve(const OutboundCore& core);
   void CancelReservation(const std::shared_ptr<OutboundCore>& core, Actions& actions);
   void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message,

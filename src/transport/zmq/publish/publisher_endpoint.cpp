@@ -293,6 +293,8 @@ void PublisherEndpoint::AddWishes(std::vector<SessionChannels>& known) const {
 
 void PublisherEndpoint::Close(int linger_ms, Actions& actions) {
   const std::scoped_lock lock(mutex_);
+  // What still waits for credit is told elsewhere.
+  if (shared_.closing && peers_.AllSent()) channels_.AddUnconfirmed(shared_.lingering);
   peers_.DropAll("the endpoint was closed", actions);
   if (socket_.closed()) return;
   const bool listens = watch_.listens();
