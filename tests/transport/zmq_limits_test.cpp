@@ -693,6 +693,30 @@ TEST_F(ZmqTopicsOfAll, WishesOfDroppedSessionsDoNotCount) {
   }
 }
 
+// The system gives the descriptor of a connection that has ended to the next one, before its last message is read.
+TEST_F(ZmqTopicsOfAll, TheLastMessageOfAConnectionIsItsOwnWhenItsNumberIsUsedAgain) {
+  constexpr SessionId kGone{1};
+  constexpr std::uint64_t kItsProof = 77;
+  const auto come = [&] {
+    ASSERT_TRUE(accepted.Add(kFirst, "10.0.0.1", std::chrono::steady_clock::now()));
+    ASSERT_TRUE(accepted.NoteSession(kFirst, kGone));
+    accepted.NoteProof(kFirst, kItsProof);
+  };
+  come();
+  ASSERT_TRUE(accepted.Add(kFirst, "10.0.0.2", std::chrono::steady_clock::now()));
+  EXPECT_TRUE(accepted.MaySpeakFor(kFirst, kGone, kItsProof));
+  EXPECT_FALSE(accepted.MaySpeakFor(kFirst, kGone, kItsProof + 1));
+  EXPECT_FALSE(accepted.MaySpeakFor(kFirst, SessionId{2}, kItsProof));
+  ASSERT_TRUE(accepted.CountTopic(kFirst, "x", true));
+  EXPECT_FALSE(accepted.MaySpeakFor(kFirst, kGone, kItsProof)) << "the next one speaks by now";
+  accepted.Remove(kFirst);
+
+  come();
+  accepted.Remove(kFirst);
+  ASSERT_TRUE(accepted.Add(kFirst, "10.0.0.2", std::chrono::steady_clock::now() - std::chrono::seconds(2)));
+  EXPECT_FALSE(accepted.MaySpeakFor(kFirst, kGone, kItsProof)) << "it had time to be read";
+}
+
 TEST(ZmqAcceptedConnections, AConnectionThatSubscribesToNothingIsClosed) {
   const int listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = test::LoopbackAddress(0);

@@ -22,6 +22,7 @@ constexpr auto kSayCutAgainAfter = std::chrono::hours(1);
 constexpr std::uint64_t kGreetingBytes = 64;  // Of ZMTP 3: https://rfc.zeromq.org/spec/23
 constexpr auto kLookAgainAfter = std::chrono::milliseconds(50);
 constexpr int kStuckAfterLooks = 4;
+constexpr auto kLastWords = std::chrono::seconds(1);
 
 constexpr std::size_t kFewTopicBytes = 1024;  // As plain subscribers have.
 constexpr std::size_t kMemoryPerTopicByte = 40;
@@ -55,7 +56,8 @@ std::size_t AcceptedConnections::MostOfOneAddress() noexcept {
 
 std::string AcceptedConnections::OriginOf(int fd) const {
   const auto found = connections_.find(fd);
-  return found == connections_.end() || found->second.address.empty() ? "this host" : found->second.address;
+  if (found != connections_.end() && !found->second.address.empty()) return found->second.address;
+  return bound_.starts_with("ipc:") ? "this host" : "a host whose address is not known any more";
 }
 
 void AcceptedConnections::Report(int fd, std::string_view limit, std::string_view what) {
@@ -72,7 +74,6 @@ void AcceptedConnections::Cut(int fd, std::string_view limit, std::string_view w
 
 bool AcceptedConnections::Add(int fd, std::string address, SteadyTime now) {
   Remove(fd);  // The earlier connection with this number.
-  ended_.erase(fd);
   const std::size_t most = MostOfOneAddress();
   const auto count = std::ranges::count_if(
       connections_, [&](const auto& entry) { return !address.empty() && entry.second.address == address; });
@@ -115,7 +116,11 @@ void AcceptedConnections::Remove(int fd) {
   const auto found = connections_.find(fd);
   if (found == connections_.end()) return;
   ReleaseAll(found->second);
-  if (found->second.speaker.proof) ended_[fd] = found->second.speaker;
+  if (found->second.speaker.proof) {
+    ended_[fd] = found->second.speaker;
+  } else {
+    ended_.erase(fd);
+  }
   connections_.erase(found);
 }
 
@@ -128,6 +133,7 @@ void AcceptedConnections::Clear() {
 bool AcceptedConnections::NoteSession(int fd, SessionId session) {
   const auto found = connections_.find(fd);
   if (found == connections_.end()) return true;
+  ended_.erase(fd);
   Connection& connection = found->second;
   if (connection.cut) return false;
   if (connection.speaker.session.value != 0 && connection.speaker.session != session) {
@@ -149,7 +155,9 @@ void AcceptedConnections::NoteProof(int fd, std::uint64_t proof) {
 bool AcceptedConnections::MaySpeakFor(int fd, SessionId session, std::uint64_t proof) const {
   const auto may = [&](const Speaker& speaker) { return speaker.session == session && speaker.proof == proof; };
   const auto found = connections_.find(fd);
-  if (found != connections_.end()) return may(found->second.speaker);
+  if (found != connections_.end() && may(found->second.speaker)) return true;
+  // The system has given its number to a new connection, and its last messages are read now.
+  if (found != connections_.end() && std::chrono::steady_clock::now() - found->second.since > kLastWords) return false;
   const auto ended = ended_.find(fd);
   return ended != ended_.end() && may(ended->second);
 }
@@ -164,6 +172,7 @@ bool AcceptedConnections::CountTopic(int fd, std::string_view topic, bool subscr
   if (found != connections_.end() && !found->second.cut) {
     Connection& connection = found->second;
     connection.idle = false;
+    if (subscribed) ended_.erase(fd);
     if (subscribed) return Hold(fd, connection, topic);
     if (const auto known = connection.topics.find(topic); known != connection.topics.end()) {
       connection.topic_bytes -= topic.size() + kBesidesTopicBytes;

@@ -123,7 +123,7 @@ class AcceptedConnections {
   SharedState& shared_;
   const std::string& bound_;
   std::unordered_map<int, Connection> connections_;  // By descriptor.
-  // The sessions of connections that have ended, until another one has their descriptor.
+  // The sessions of connections that have ended, until another one with their descriptor speaks.
   std::unordered_map<int, Speaker> ended_;
   std::size_t most_topic_bytes_ = MostTopicBytes();
   std::size_t topic_bytes_ = 0;  // Of all topics in `holders_`, and of all wishes.
