@@ -35,8 +35,8 @@ namespace Hgros {
   }
 
   /// <summary>A protobuf message whose type is known at run time. Fields are found by their names: numbers as those of
-  /// C#, byte[], enums as int; repeated fields as a List of these, maps as a List of messages with `key` and `value`. What
-  /// is set is written, in the order of the numbers; unknown fields are not kept.</summary>
+  /// C#, byte[], enums as int; repeated fields as a List of these, maps as a List of messages with `key` and `value`.
+  /// What is set is written, in the order of the numbers; unknown fields are not kept.</summary>
   public sealed class DynamicMessage {
     private const int MostNested = 100; // As in other protobuf libraries.
 

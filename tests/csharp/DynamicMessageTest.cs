@@ -9,8 +9,8 @@ using static Test;
 public static class DynamicMessageTest {
   private static readonly string Folder = Environment.GetEnvironmentVariable("TEST_PROTOS");
 
-  private static DynamicType TypeOf(string file, string name) => new DynamicType(Schema.Protobuf(name, Tool.Run("PROTOC",
-    "-I " + Folder + " --include_imports --descriptor_set_out=/dev/stdout " + file)));
+  private static DynamicType TypeOf(string file, string name) => new DynamicType(Schema.Protobuf(name,
+    Tool.Run("PROTOC", "-I " + Folder + " --include_imports --descriptor_set_out=/dev/stdout " + file)));
 
   private static byte[] Encode(string file, string name, string text) =>
     Tool.Run("PROTOC", "-I " + Folder + " --encode=" + name + " " + file, System.Text.Encoding.UTF8.GetBytes(text));
@@ -79,7 +79,8 @@ public static class DynamicMessageTest {
     message.Make("parts")["name"] = "x";
     ((List<double>)message["doubles"]).Add(3.5);
     Equal("a_double: 1\na_string: \"\\303\\274\"\na_part {\n  kinds {\n    a_bool: true\n  }\n}\nsome_bytes: \"A\"\n" +
-      "an_sint32: -3\ndoubles: 1\ndoubles: 2\ndoubles: 3.5\nstrings: \"a\"\nstrings: \"b\"\nparts {\n  name: \"x\"\n}\n",
+      "an_sint32: -3\ndoubles: 1\ndoubles: 2\ndoubles: 3.5\nstrings: \"a\"\nstrings: \"b\"\n" +
+      "parts {\n  name: \"x\"\n}\n",
       Tool.Text(Tool.Run("PROTOC", "-I " + Folder + " --decode=test.Kinds kinds.proto", Write(type, message))));
     message["a_part"] = null;
     Equal(null, message["a_part"]);
