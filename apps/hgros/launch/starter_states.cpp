@@ -21,7 +21,8 @@ void Starter::ReportFailure(Unit& unit, int status) {
   const bool itself = WIFEXITED(status) && unit.failed;
   if (!itself) {
     const std::string early = status == 0 ? ", but its components had not ended" : "";
-    Say(unit, LogLevel::kError, "The process has failed: " + EndText(status) + early + "." + CoreText(status, unit.running->pid()));
+    Say(unit, LogLevel::kError,
+        "The process has failed: " + EndText(status) + early + "." + CoreText(status, unit.running->pid()));
   }
   if (std::exchange(unit.reported, true) || options_.json || itself) return;
   std::vector<const LogLine*> last;
