@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Fails if a Markdown page breaks a rule that a pattern can check: long lines, dead links, words that we never use.
+"""Fails if a Markdown page breaks a rule that a pattern can check: long lines, dead links, words that we never use,
+sources that the page of platforms does not name.
 
     check_docs.py [ROOT]
 
@@ -14,6 +15,9 @@ import sys
 COLUMNS = 130
 # Pages in build folders and similar folders are not ours.
 SKIPPED = re.compile(r"(\..*|build(-.*)?|out|node_modules)")
+
+PLATFORMS = "docs/platforms.md"
+LINUX = re.compile(r"#include <(linux/\w+|sys/(?:epoll|eventfd|inotify|prctl|random|signalfd|syscall|timerfd)|sched)\.h>")
 
 # (pattern, what to write instead)
 WORDS = [
@@ -118,10 +122,29 @@ def check_page(page):
                 yield number, fault
 
 
+def check_platforms(root):
+    """Faults of the page that names all sources with headers of Linux. None if a tree has no such page."""
+    page = root / PLATFORMS
+    if not page.exists():
+        return []
+    text = page.read_text(encoding="utf-8")
+    sources = [path for folder in ("src", "apps", "bindings", "include") for suffix in ("c", "cpp", "h", "hpp")
+               for path in sorted((root / folder).rglob(f"*.{suffix}"))]
+    faults = []
+    for source in sources:
+        path = source.relative_to(root).as_posix()
+        header = LINUX.search(source.read_text(encoding="utf-8", errors="replace"))
+        if header and f"`{path}`" not in text:
+            faults.append(f"{PLATFORMS}:1: does not name {path}, which includes <{header[1]}.h>; add it to a table")
+    faults += [f"{PLATFORMS}:1: names {path}, which does not exist; remove it"
+               for path in re.findall(r"`((?:src|apps|bindings)/[\w/.]+\.\w+)`", text) if not (root / path).exists()]
+    return faults
+
+
 def check_tree(root):
     """All faults of a tree as "path:line: fault", and the number of pages read."""
     root = pathlib.Path(root).resolve()
-    faults = []
+    faults = check_platforms(root)
     pages = 0
     for page in pages_of(root):
         pages += 1

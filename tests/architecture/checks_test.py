@@ -255,6 +255,13 @@ class DocsTest(Tree):
             with self.subTest(text=text):
                 self.assert_one_fault("README.md", text + "\n", 2 if text.startswith("```") else 1, words)
 
+    def test_the_page_of_platforms_names_what_only_linux_has(self):
+        self.write("src/base/a.cpp", "#include <sys/epoll.h>\n")
+        self.write("docs/platforms.md", "`src/base/a.cpp`\n")
+        self.assertEqual(self.faults(), [])
+        self.assert_one_fault("docs/platforms.md", "Nothing.\n", 1, "does not name src/base/a.cpp, which includes <sys/epoll.h>")
+        self.assert_one_fault("docs/platforms.md", "`src/base/a.cpp`, `src/base/b.cpp`\n", 1, "names src/base/b.cpp")
+
     def test_pages_in_build_folders_are_ignored(self):
         self.write("build/dev/page.md", "The carrier takes it.\n")
         self.write(".cache/page.md", "The carrier takes it.\n")
