@@ -81,8 +81,8 @@ export interface Received<T = any> {
   /** The bytes, which nobody may write. */
   readonly data: Buffer;
   readonly info: MessageInfo;
-  /** The type that came with the channel. */
-  readonly schema: Schema;
+  /** The type that came with the channel; undefined if its publisher, a plain program, named none. */
+  readonly schema: Schema | undefined;
   /** Gives the memory of a large message back now; its bytes are empty then. */
   close(): void;
 }

@@ -142,6 +142,17 @@ test('TwoQueuesOfASessionShareTheMemory', async (t) => {
   assert.strictEqual(received[1].data[5], 3);
 });
 
+test('ALoanThatIsBeingPublishedIsNobodys', async (t) => {
+  const { subscription, publisher } = await pair(t, new hgros.Schema('my.bytes'), { subscribe: { keepAll: 4 } });
+  const loan = publisher.loan(1 << 20);
+  const published = loan.publishWait(patient);
+  assert.strictEqual(loan.data, undefined);
+  assert.throws(() => loan.publish(), { code: 'HGROS_INVALID_ARGUMENT' });
+  await assert.rejects(loan.publishWait(patient), { code: 'HGROS_INVALID_ARGUMENT' });
+  await published;
+  assert.strictEqual((await subscription.take(patient)).data.length, 1 << 20);
+});
+
 test('LoansArePublishedInPlace', async (t) => {
   const { subscription, publisher } = await pair(t, new hgros.Schema('my.bytes'), { subscribe: { keepAll: 1 } });
   const loan = publisher.loan(1 << 20);

@@ -49,6 +49,7 @@ test('CallsTimeOutAndAreCancelled', async (t) => {
   abort.abort(new Error('enough'));
   await assert.rejects(called, (error) => error.code === 'HGROS_CANCELLED' && error.cause.message === 'enough');
   await assert.rejects(say(client, 'sleep', '', { signal: abort.signal }), { code: 'HGROS_CANCELLED' });
+  await assert.rejects(say(client, 'sleep', '', { signal: abort }), { code: 'HGROS_INVALID_ARGUMENT' });
   goOn();
   assert.strictEqual((await waits).message, 'last');
 });
@@ -76,6 +77,25 @@ test('ClosingDoesNotWaitForAHandlerThatNeverReplies', async (t) => {
   await inHandler;
   await server.close();
   await failed;
+});
+
+test('AServiceClosesWithARequestThatJavaScriptHasNotSeen', async (t) => {
+  const server = open(t);
+  const client = open(t);
+  let closed;
+  const service = server.serve('two', LOG, LOG, ({ message }) => {
+    if (message === 'hello') return {};
+    setImmediate(() => {  // The reply is on its way, and the next request comes while the event loop is blocked.
+      for (const end = Date.now() + 100; Date.now() < end;);
+      closed = service.close();
+    });
+    return {};
+  });
+  await known(client, 'two');
+  const calls = [say(client, 'two', '1'), say(client, 'two', '2')];
+  await calls[0];
+  await assert.rejects(calls[1], /closed|ended/);
+  await closed;
 });
 
 test('AClosedServiceIsGone', async (t) => {

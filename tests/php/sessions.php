@@ -20,6 +20,9 @@ function ErrorsHaveAStatusAndASentence(): void
         $publisher = $session->advertise('words', Log::class);
         $session->waitForSubscribers('words', 1, 0.01);
     });
+    expectFailure(Status::InvalidArgument, 'keep_all', static fn () => $session->subscribeRaw('words', null, 0, -1));
+    expectFailure(Status::InvalidArgument, 'latched', static fn () => $session->advertise('words', Log::class, -1));
+    expectFailure(Status::InvalidArgument, 'count', static fn () => $session->waitForPublishers('words', -1));
     $session->setLogLevel(LogLevel::Error);
     $session->log(LogLevel::Info, 'This is not written.');
 }

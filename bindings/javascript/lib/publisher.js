@@ -1,6 +1,6 @@
 'use strict';
 
-const { HgrosError } = require('./errors');
+const { HgrosError, invalid } = require('./errors');
 const { native } = require('./native');
 const check = require('./arguments');
 
@@ -15,6 +15,7 @@ class Loan {
   #publisher;
   #external;
   #view;
+  #publishing = false;  // A thread publishes it.
 
   constructor(publisher, size) {
     this.#publisher = publisher;
@@ -23,12 +24,14 @@ class Loan {
 
   /** The bytes to fill, which have arbitrary values at first; undefined once they are published. */
   get data() {
+    if (this.#publishing) return undefined;
     this.#view ??= native.viewLoan(this.#external);
     return this.#view;
   }
 
   // A published message is never written again: its memory disappears from all views of it.
   #detach() {
+    if (this.#publishing) throw invalid('The loan is being published.');
     if (this.#view !== undefined) native.detach(this.#view);
     this.#view = undefined;
   }
@@ -40,8 +43,14 @@ class Loan {
 
   async publishWait(options) {
     const { timeout } = check.options(options, ['timeout']);
+    const nanoseconds = check.timeout(timeout);
     this.#detach();
-    await native.publishLoanWait(this.#publisher, this.#external, check.timeout(timeout));
+    this.#publishing = true;
+    try {
+      await native.publishLoanWait(this.#publisher, this.#external, nanoseconds);
+    } finally {
+      this.#publishing = false;
+    }
   }
 }
 

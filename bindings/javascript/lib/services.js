@@ -1,6 +1,6 @@
 'use strict';
 
-const { HgrosError } = require('./errors');
+const { HgrosError, invalid } = require('./errors');
 const { native } = require('./native');
 const { Schema } = require('./schema');
 
@@ -34,6 +34,7 @@ function sentenceOf(error) {
 
 /** Calls a service. The promise settles with the reply, or with an HgrosError. */
 function call(session, name, requestForm, replyForm, request, timeout, signal) {
+  if (signal !== undefined && !(signal instanceof AbortSignal)) throw invalid('The signal must be an AbortSignal.');
   const bytes = requestForm.encode(request);
   return new Promise((resolve, reject) => {
     let pending;

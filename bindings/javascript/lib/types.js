@@ -142,13 +142,15 @@ function formOf(given) {
 
 /** The form of a received schema: that of its protobuf type, or else bytes. */
 function formOfSchema(schema) {
+  if (schema === undefined) return new RawForm(undefined);
   const described = schema.encoding === 'protobuf' && schema.descriptorSet !== undefined;
   return formOf(described ? typeOf(schema) : schema);
 }
 
 /** A copy of the type of the message that was taken last. */
 function schemaOfQueue(queue) {
-  return new Schema(Schema, native.schemaOfQueue(queue));
+  const schema = native.schemaOfQueue(queue);
+  return schema === undefined ? undefined : new Schema(Schema, schema);
 }
 
 module.exports = { protobuf, type, formOf, formOfSchema, schemaOfQueue };

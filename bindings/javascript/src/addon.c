@@ -78,9 +78,9 @@ static void RegisterExit(void) { atexit(CloseAtExit); }
 static napi_value SetUp(napi_env napi, napi_callback_info info) {
   Env* const env = EnvOf(napi);
   const size_t count = 8;
-  napi_value error_class;
-  napi_value buffer;
-  napi_value numbers;
+  napi_value error_class = NULL;
+  napi_value buffer = NULL;
+  napi_value numbers = NULL;
   void* memory = NULL;
   Arguments(napi, info, 1, &error_class);
   napi_create_reference(napi, error_class, 1, &env->error_class);
@@ -94,7 +94,7 @@ static napi_value SetUp(napi_env napi, napi_callback_info info) {
 NAPI_MODULE_INIT() {
   static pthread_once_t once = PTHREAD_ONCE_INIT;
   uv_loop_t* loop = NULL;
-  napi_value name;
+  napi_value name = NULL;
   Env* const made = calloc(1, sizeof *made);
   made->napi = env;
   made->refs = 1;

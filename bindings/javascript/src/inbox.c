@@ -56,15 +56,15 @@ void DropArrivals(Env* env) {
 }
 
 void CallBack(Env* env, napi_ref function, size_t count, const napi_value* arguments) {
-  napi_value callee;
-  napi_value global;
-  napi_value result;
+  napi_value callee = NULL;
+  napi_value global = NULL;
+  napi_value result = NULL;
   napi_get_reference_value(env->napi, function, &callee);
   napi_get_global(env->napi, &global);
   if (napi_make_callback(env->napi, env->context, global, callee, count, arguments, &result) !=
       napi_pending_exception) {
     return;
   }
-  napi_value thrown;
+  napi_value thrown = NULL;
   if (napi_get_and_clear_last_exception(env->napi, &thrown) == napi_ok) napi_fatal_exception(env->napi, thrown);
 }

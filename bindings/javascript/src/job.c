@@ -76,7 +76,7 @@ static void Settle(Env* env, Arrival* arrival) {
 
 napi_value StartJob(Job* job, Part* part) {
   Env* const env = part->env;
-  napi_value promise;
+  napi_value promise = NULL;
   napi_create_promise(env->napi, &job->deferred, &promise);
   job->arrival.run = Settle;
   job->env = env;

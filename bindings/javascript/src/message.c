@@ -21,7 +21,7 @@ static void EndLease(napi_env napi, void* data, void* hint) {
 }
 
 static napi_value CopyOf(napi_env napi, hgros_message* message, const void* data, size_t size) {
-  napi_value buffer;
+  napi_value buffer = NULL;
   napi_create_buffer_copy(napi, size, size > 0 ? data : "", NULL, &buffer);
   hgros_message_free(message);
   return buffer;
@@ -29,7 +29,7 @@ static napi_value CopyOf(napi_env napi, hgros_message* message, const void* data
 
 napi_value BufferOf(napi_env napi, hgros_message* message) {
   size_t size = 0;
-  napi_value buffer;
+  napi_value buffer = NULL;
   int64_t known = 0;
   const void* const data = hgros_message_data(message, &size);
   if (size <= kMostCopied) return CopyOf(napi, message, data, size);
@@ -47,8 +47,8 @@ napi_value BufferOf(napi_env napi, hgros_message* message) {
 
 // detach(buffer): nobody can read it any more, and its memory is given back in the next turn of the loop.
 static napi_value Detach(napi_env napi, napi_callback_info info) {
-  napi_value buffer;
-  napi_value memory;
+  napi_value buffer = NULL;
+  napi_value memory = NULL;
   Arguments(napi, info, 1, &buffer);
   if (napi_get_typedarray_info(napi, buffer, NULL, NULL, NULL, &memory, NULL) == napi_ok) {
     napi_detach_arraybuffer(napi, memory);
@@ -68,7 +68,7 @@ static void FreeSchema(napi_env napi, void* schema, void* nothing) {
 }
 
 napi_value NewSchema(napi_env napi, hgros_schema* schema) {
-  napi_value value;
+  napi_value value = NULL;
   napi_create_external(napi, schema, FreeSchema, NULL, &value);
   return value;
 }
@@ -99,7 +99,7 @@ static napi_value CreateSchema(napi_env napi, napi_callback_info info) {
 
 // knownSchema(typeName)
 static napi_value KnownSchema(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   hgros_schema* schema = NULL;
   Arguments(napi, info, 1, &argument);
   char* const name = TextOf(napi, argument);
@@ -110,8 +110,8 @@ static napi_value KnownSchema(napi_env napi, napi_callback_info info) {
 
 // describeSchema(schema): its parts.
 static napi_value DescribeSchema(napi_env napi, napi_callback_info info) {
-  napi_value argument;
-  napi_value object;
+  napi_value argument = NULL;
+  napi_value object = NULL;
   napi_value set = Undefined(napi);
   size_t size = 0;
   Arguments(napi, info, 1, &argument);
@@ -132,7 +132,7 @@ static napi_value Version(napi_env napi, napi_callback_info info) {
 }
 
 static napi_value StatusName(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   return Text(napi, hgros_status_name((hgros_status)NumberOf(napi, argument)));
 }

@@ -5,7 +5,7 @@
 #include "value.h"
 
 static napi_value PeerFrom(napi_env napi, const hgros_peer* peer) {
-  napi_value object;
+  napi_value object = NULL;
   napi_create_object(napi, &object);
   Set(napi, object, "id", BigId(napi, peer->id));
   Set(napi, object, "process", Text(napi, peer->process));
@@ -18,8 +18,8 @@ static napi_value PeerFrom(napi_env napi, const hgros_peer* peer) {
 
 // peers(session)
 static napi_value Peers(napi_env napi, napi_callback_info info) {
-  napi_value argument;
-  napi_value array;
+  napi_value argument = NULL;
+  napi_value array = NULL;
   hgros_peers* peers = NULL;
   hgros_peer peer = {.size = sizeof peer};
   Arguments(napi, info, 1, &argument);
@@ -36,7 +36,7 @@ static napi_value Peers(napi_env napi, napi_callback_info info) {
 }
 
 static napi_value ChannelFrom(napi_env napi, const hgros_channel* channel) {
-  napi_value object;
+  napi_value object = NULL;
   napi_create_object(napi, &object);
   Set(napi, object, "name", Text(napi, channel->name));
   Set(napi, object, "typeName", Text(napi, channel->type_name));
@@ -49,8 +49,8 @@ static napi_value ChannelFrom(napi_env napi, const hgros_channel* channel) {
 
 // channels(session)
 static napi_value Channels(napi_env napi, napi_callback_info info) {
-  napi_value argument;
-  napi_value array;
+  napi_value argument = NULL;
+  napi_value array = NULL;
   hgros_channels* channels = NULL;
   hgros_channel channel = {.size = sizeof channel};
   Arguments(napi, info, 1, &argument);
@@ -131,7 +131,7 @@ static napi_value WatchPeers(napi_env napi, napi_callback_info info) {
 
 // closeWatch(watch), of any kind
 static napi_value CloseWatchNow(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   ClosePart(PartOf(napi, argument));
   return Undefined(napi);

@@ -202,7 +202,7 @@ static napi_value WatchParams(napi_env napi, napi_callback_info info) {
 
 // closeParams(params): a promise.
 static napi_value CloseParamsLater(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   return ClosePartLater(PartOf(napi, argument));
 }

@@ -36,7 +36,7 @@ static void Forgotten(napi_env napi, void* part, void* nothing) {
 }
 
 napi_value NewPart(Env* env, Part* session, void (*close)(void*), napi_value callback, Part** part) {
-  napi_value value;
+  napi_value value = NULL;
   *part = calloc(1, sizeof **part);
   pthread_mutex_lock(&env->mutex);
   ++env->refs;
@@ -142,10 +142,9 @@ void UsePart(Part* part) {
 void LeavePart(Part* part) {
   Env* const env = part->env;
   pthread_mutex_lock(&env->mutex);
-  --part->jobs;
-  const bool closed = part->closed;
+  const bool ends = --part->jobs == 0 && part->closed;  // One thread only sees that.
   pthread_mutex_unlock(&env->mutex);
-  if (closed) CloseHandle(part);
+  if (ends) CloseHandle(part);
   pthread_mutex_lock(&env->mutex);
   if (part->session != NULL) --part->session->jobs;
   pthread_cond_broadcast(&env->changed);

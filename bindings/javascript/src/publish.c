@@ -74,7 +74,7 @@ static Loan* LoanOf(napi_env napi, napi_value value) {
 // openLoan(publisher, size)
 static napi_value OpenLoan(napi_env napi, napi_callback_info info) {
   napi_value arguments[2];
-  napi_value value;
+  napi_value value = NULL;
   hgros_loan* handle = NULL;
   Arguments(napi, info, 2, arguments);
   Part* const publisher = PublisherIn(napi, arguments[0]);
@@ -90,8 +90,8 @@ static napi_value OpenLoan(napi_env napi, napi_callback_info info) {
 
 // viewLoan(loan): a Buffer over its memory; undefined once it is published.
 static napi_value ViewLoan(napi_env napi, napi_callback_info info) {
-  napi_value argument;
-  napi_value buffer;
+  napi_value argument = NULL;
+  napi_value buffer = NULL;
   size_t size = 0;
   Arguments(napi, info, 1, &argument);
   Loan* const loan = LoanOf(napi, argument);
@@ -171,7 +171,7 @@ static napi_value PublishLoanWait(napi_env napi, napi_callback_info info) {
 
 // closePublisher(publisher)
 static napi_value ClosePublisherNow(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   ClosePart(PartOf(napi, argument));
   return Undefined(napi);

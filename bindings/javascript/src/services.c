@@ -22,6 +22,15 @@ void FailRequests(Env* env, const Part* session, const char* sentence) {
   }
 }
 
+// Its service was closed before JavaScript saw it.
+static void FailRequest(Env* env, uint64_t number) {
+  pthread_mutex_lock(&env->mutex);
+  Request* request = env->requests;
+  while (request != NULL && request->number != number) request = request->next;
+  if (request != NULL) End(request, strdup("The service is closed."));
+  pthread_mutex_unlock(&env->mutex);
+}
+
 typedef struct {
   Arrival arrival;
   Part* service;
@@ -31,8 +40,9 @@ typedef struct {
 
 static void ShowRequest(Env* env, Arrival* arrival) {
   RequestArrival* const request = (RequestArrival*)arrival;
-  if (env == NULL || request->service->callback == NULL) {  // The request has been failed, or will be.
+  if (env == NULL || request->service->callback == NULL) {  // Without the loop, all requests are failed together.
     hgros_message_free(request->message);
+    if (env != NULL) FailRequest(env, request->number);
   } else {
     const napi_value arguments[] = {BigId(env->napi, request->number), BufferOf(env->napi, request->message)};
     CallBack(env, request->service->callback, 2, arguments);
@@ -140,7 +150,7 @@ static napi_value Fail(napi_env napi, napi_callback_info info) {
 
 // closeService(service): a promise.
 static napi_value CloseServiceLater(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   return ClosePartLater(PartOf(napi, argument));
 }
@@ -200,7 +210,7 @@ static void ForgetCall(napi_env napi, void* data, void* nothing) {
 // `done` gets an error or a Buffer; it holds the result of this function, which must not be forgotten before.
 static napi_value StartCall(napi_env napi, napi_callback_info info) {
   napi_value arguments[7];
-  napi_value value;
+  napi_value value = NULL;
   size_t size = 0;
   Arguments(napi, info, 7, arguments);
   Part* const session = OpenPartOf(napi, arguments[0], "The session is closed.");
@@ -226,7 +236,7 @@ static napi_value StartCall(napi_env napi, napi_callback_info info) {
 
 // cancelCall(call)
 static napi_value CancelCall(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   void* call = NULL;
   Arguments(napi, info, 1, &argument);
   if (napi_get_value_external(napi, argument, &call) == napi_ok) hgros_call_cancel(((Call*)call)->handle);

@@ -88,7 +88,7 @@ static napi_value OpenSession(napi_env napi, napi_callback_info info) {
 
 // closeSession(session): a promise. The session and its parts are closed for every later call.
 static napi_value CloseSessionLater(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   return ClosePartLater(PartOf(napi, argument));
 }
@@ -99,21 +99,21 @@ static hgros_session* SessionIn(napi_env napi, napi_value value) {
 }
 
 static napi_value SessionId(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   hgros_session* const session = SessionIn(napi, argument);
   return session != NULL ? BigId(napi, hgros_session_id(session)) : NULL;
 }
 
 static napi_value SessionName(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   hgros_session* const session = SessionIn(napi, argument);
   return session != NULL ? Text(napi, hgros_session_name(session)) : NULL;
 }
 
 static napi_value SessionNow(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   hgros_session* const session = SessionIn(napi, argument);
   return session != NULL ? BigTime(napi, hgros_session_now(session)) : NULL;

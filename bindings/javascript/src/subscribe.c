@@ -79,7 +79,7 @@ enum { kRemote, kPublisher, kIncarnation, kSequence, kKey, kPublishMonotonic, kP
 // take(queue): the bytes of the oldest message, or undefined. setUp() returned where the rest is.
 static napi_value Take(napi_env napi, napi_callback_info info) {
   Env* const env = EnvOf(napi);
-  napi_value argument;
+  napi_value argument = NULL;
   bool is_new = false;
   hgros_message* message = NULL;
   hgros_message_info about = {.size = sizeof about};
@@ -102,13 +102,14 @@ static napi_value Take(napi_env napi, napi_callback_info info) {
   return BufferOf(napi, message);
 }
 
-// schemaOfQueue(queue): a copy of the type of the message that was taken last.
+// schemaOfQueue(queue): a copy of the type of the message that was taken last; undefined if its sender named none.
 static napi_value SchemaOfQueue(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   size_t size = 0;
   hgros_schema* copy = NULL;
   Arguments(napi, info, 1, &argument);
   const hgros_schema* const schema = PartOf(napi, argument)->schema;
+  if (schema == NULL) return Undefined(napi);
   const void* const set = hgros_schema_descriptor_set(schema, &size);
   const hgros_status status = hgros_schema_create(hgros_schema_type_name(schema), hgros_schema_encoding(schema),
                                                   hgros_schema_fingerprint(schema), set, size, &copy);
@@ -117,8 +118,8 @@ static napi_value SchemaOfQueue(napi_env napi, napi_callback_info info) {
 
 // queueStats(queue)
 static napi_value QueueStats(napi_env napi, napi_callback_info info) {
-  napi_value argument;
-  napi_value object;
+  napi_value argument = NULL;
+  napi_value object = NULL;
   hgros_subscription_stats stats = {.size = sizeof stats};
   Arguments(napi, info, 1, &argument);
   Part* const queue = OpenPartOf(napi, argument, "The subscription is closed.");
@@ -136,7 +137,7 @@ static napi_value QueueStats(napi_env napi, napi_callback_info info) {
 
 // closeQueue(queue)
 static napi_value CloseQueueNow(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   ClosePart(PartOf(napi, argument));
   return Undefined(napi);

@@ -7,7 +7,7 @@ static void CloseTransforms(void* transforms) { (void)hgros_transforms_close(tra
 
 // openTransforms(session)
 static napi_value OpenTransforms(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Part* part = NULL;
   hgros_transforms* transforms = NULL;
   Arguments(napi, info, 1, &argument);
@@ -31,14 +31,14 @@ static void NumbersOf(napi_env napi, napi_value array, uint32_t count, double* n
 }
 
 static napi_value Numbers(napi_env napi, uint32_t count, const double* numbers) {
-  napi_value array;
+  napi_value array = NULL;
   napi_create_array_with_length(napi, count, &array);
   for (uint32_t i = 0; i < count; ++i) napi_set_element(napi, array, i, Number(napi, numbers[i]));
   return array;
 }
 
 static napi_value TransformFrom(napi_env napi, const hgros_transform* found) {
-  napi_value object;
+  napi_value object = NULL;
   napi_create_object(napi, &object);
   Set(napi, object, "translation", Numbers(napi, 3, found->translation));
   Set(napi, object, "rotation", Numbers(napi, 4, found->rotation));
@@ -129,7 +129,7 @@ static napi_value WaitForTransform(napi_env napi, napi_callback_info info) {
 
 // closeTransforms(transforms): a promise.
 static napi_value CloseTransformsLater(napi_env napi, napi_callback_info info) {
-  napi_value argument;
+  napi_value argument = NULL;
   Arguments(napi, info, 1, &argument);
   return ClosePartLater(PartOf(napi, argument));
 }

@@ -9,7 +9,7 @@ void Arguments(napi_env napi, napi_callback_info info, size_t count, napi_value*
 }
 
 void Define(napi_env napi, napi_value exports, const char* name, napi_callback function) {
-  napi_value made;
+  napi_value made = NULL;
   napi_create_function(napi, name, NAPI_AUTO_LENGTH, function, NULL, &made);
   napi_set_named_property(napi, exports, name, made);
 }
@@ -28,7 +28,7 @@ char** TextsOf(napi_env napi, napi_value value, size_t* count) {
   char** const texts = calloc((size_t)length + 1, sizeof *texts);
   *count = 0;
   for (uint32_t i = 0; i < length; ++i) {
-    napi_value element;
+    napi_value element = NULL;
     napi_get_element(napi, value, i, &element);
     texts[*count] = TextOf(napi, element);
     if (texts[*count] != NULL) ++*count;
@@ -121,7 +121,7 @@ void Set(napi_env napi, napi_value object, const char* name, napi_value value) {
 }
 
 napi_value ErrorOf(napi_env napi, hgros_status status, const char* sentence) {
-  napi_value error_class;
+  napi_value error_class = NULL;
   napi_value error = NULL;
   const napi_value arguments[] = {Number(napi, status), Text(napi, sentence)};
   napi_get_reference_value(napi, EnvOf(napi)->error_class, &error_class);

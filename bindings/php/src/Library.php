@@ -14,6 +14,7 @@ final class Library
     private const POLL = 'typedef struct { int fd; short events; short revents; } hgros_php_pollfd;
         int poll(hgros_php_pollfd* one, unsigned long count, int timeout_ms);';
     private const POLLIN = 1;
+    private const SLICE_MS = 200;
 
     private static ?FFI $c = null;
 
@@ -49,10 +50,20 @@ final class Library
         $struct = self::c()->new($type);
         $struct->size = FFI::sizeof($struct);
         foreach ($fields as $name => $value) {
+            if (is_int($value)) {
+                self::count($value, $name);
+            }
             $struct->$name = $value instanceof CData && FFI::typeof($value)->getKind() === FFI\CType::TYPE_ARRAY
                 ? self::c()->cast('char*', $value) : $value;
         }
         return $struct;
+    }
+
+    /** C would take a number below zero for a huge one. */
+    public static function count(int $count, string $name = 'count'): int
+    {
+        return $count >= 0 ? $count
+            : throw new HgrosException(Status::InvalidArgument, "$name is $count, but must not be below zero.");
     }
 
     /** A text in memory of C, or null for an empty one. */
@@ -113,7 +124,8 @@ final class Library
             $one = self::c()->new('hgros_php_pollfd');
             $one->fd = $descriptor;
             $one->events = self::POLLIN;
-            self::c()->poll(FFI::addr($one), 1, $left === null ? -1 : (int) min(ceil($left / 1e6), 0x7fffffff));
+            // A signal that comes right before poll() does not end it, so its handler runs after a slice.
+            self::c()->poll(FFI::addr($one), 1, (int) min(ceil(($left ?? INF) / 1e6), self::SLICE_MS));
         }
         return $taken;
     }

@@ -109,8 +109,7 @@ final class Message extends Handle
     /** @return array{?CData, int} */
     private function bytes(): array
     {
-        static $size = null;
-        $size ??= Library::c()->new('size_t');
+        $size = Library::c()->new('size_t');
         return [Library::c()->hgros_message_data($this->opened(), FFI::addr($size)), $size->cdata];
     }
 }

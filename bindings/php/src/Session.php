@@ -88,15 +88,15 @@ final class Session extends Handle
     /** Waits until a channel that this session publishes has subscribers. */
     public function waitForSubscribers(string $channel, int $count = 1, ?float $timeout = null): void
     {
-        Library::check(Library::c()->hgros_session_wait_for_subscribers($this->opened(), $channel, $count,
-            Library::nanoseconds($timeout)));
+        Library::check(Library::c()->hgros_session_wait_for_subscribers($this->opened(), $channel,
+            Library::count($count), Library::nanoseconds($timeout)));
     }
 
     /** Waits until other sessions that publish on a channel are connected. */
     public function waitForPublishers(string $channel, int $count = 1, ?float $timeout = null): void
     {
-        Library::check(Library::c()->hgros_session_wait_for_publishers($this->opened(), $channel, $count,
-            Library::nanoseconds($timeout)));
+        Library::check(Library::c()->hgros_session_wait_for_publishers($this->opened(), $channel,
+            Library::count($count), Library::nanoseconds($timeout)));
     }
 
     /**
