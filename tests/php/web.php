@@ -5,8 +5,15 @@ declare(strict_types=1);
 /** Answers a request of the web with what the service "ask" says, in a session of its own. */
 if (PHP_SAPI !== 'cli') {
     require ini_get('auto_prepend_file'); // Which this server ignores.
-    $session = Hgros\Session::open();
+    $session = Hgros\Session::open('', 'of the web');
     $reply = $session->call('ask', new Foxglove\Log(['message' => $_GET['text']]), Foxglove\Log::class, 5.0);
+    if ($_GET['text'] === 'fatal') {
+        $publisher = $session->advertise('seen', Foxglove\Log::class);
+        $session->waitForSubscribers('seen', 1, 10.0);
+        $publisher->publish(new Foxglove\Log(['message' => 'here']));
+        ini_set('memory_limit', '64M');
+        str_repeat('x', 1 << 30);
+    }
     $session->close();
     echo $reply->getMessage();
     return;
@@ -38,5 +45,11 @@ function callFromTheWeb(string ...$options): void
     for ($i = 0; $i < 20; ++$i) {
         expectEqual("re: request $i", file_get_contents("http://$address/?text=request%20$i"));
     }
+    $session = Hgros\Session::open();
+    $seen = $session->subscribe('seen', Foxglove\Log::class);
+    @file_get_contents("http://$address/?text=fatal");
+    expectEqual('here', $seen->take(20.0)->getMessage());
+    awaitUntil('the session has ended', static fn (): bool => $session->peers() === []);
+    expectEqual('re: after', file_get_contents("http://$address/?text=after"));
     $server->finish();
 }

@@ -9,6 +9,11 @@ use FFI\CData;
 /** One participant of the hypergraph. Timeouts are in seconds; null waits for ever. */
 final class Session extends Handle
 {
+    private const FATAL = E_ERROR | E_CORE_ERROR | E_COMPILE_ERROR | E_USER_ERROR | E_RECOVERABLE_ERROR;
+
+    /** @var \WeakMap<self, true>|null Those that were not forgotten. */
+    private static ?\WeakMap $all = null;
+
     /** Opens a session with YAML text; none is the default, which finds the sessions of this user on this host. */
     public static function open(string $yaml = '', string $name = ''): self
     {
@@ -32,8 +37,24 @@ final class Session extends Handle
     {
         $text = Library::text($name);
         $options = Library::struct('hgros_session_options', ['name' => $text]);
-        return new self(Library::create('hgros_session',
+        $session = new self(Library::create('hgros_session',
             static fn (CData $place): int => $open(\FFI::addr($options), $place)));
+        self::$all ??= self::closeAllAfterFatalErrors();
+        self::$all[$session] = true;
+        return $session;
+    }
+
+    /** PHP calls no destructor after a fatal error, and the process of a web server goes on. */
+    private static function closeAllAfterFatalErrors(): \WeakMap
+    {
+        register_shutdown_function(static function (): void {
+            if (((error_get_last()['type'] ?? 0) & self::FATAL) !== 0) {
+                foreach (self::$all as $session => $true) {
+                    $session->close();
+                }
+            }
+        });
+        return new \WeakMap();
     }
 
     protected function free(CData $handle): void
