@@ -28,9 +28,10 @@ TEST(HgrosRunProcesses, HaveTheirCpusNicenessAndPriority) {
       "processes:\n"
       "  p: {components: [a], cpus: [0], nice: 5}\n"
       "  q: {components: [b]}\n"
-      "programs: {says: {command: [sleep, 100d], cpus: [0], nice: 7}}\n");
+      "programs: {says: {command: [sh, -c, echo I run.; exec sleep 100d], cpus: [0], nice: 7}}\n");
   CommandRun run(robot.Arguments(), robot.environment());
-  ASSERT_TRUE(run.Prints("b     I run."));
+  // A table comes before. Then each of them is set up, in any order.
+  for (const char* line : {"a     I run.", "b     I run.", "says  I run."}) ASSERT_TRUE(run.Prints(line)) << run.out();
   const std::vector<pid_t> pids = PidsIn(run.out());  // In the order of the file.
   ASSERT_EQ(pids.size(), 3U) << run.out();
   const std::vector<int> nice{5, getpriority(PRIO_PROCESS, 0), 7};
