@@ -27,20 +27,10 @@ def period_ns(period: float) -> int:
     return round(period * 1e9)
 
 
-class _Turns:
-    """Takes turns out of an inbox. Those that were dropped in favor of a newer one are missed."""
-
-    def __init__(self, inbox: _hgros.Inbox) -> None:
-        self._inbox = inbox
-        self._dropped = 0
-
-    def next(self) -> Tick | None:
-        for planned, now, missed in self._inbox.take(1):
-            dropped = self._inbox.dropped
-            missed += dropped - self._dropped
-            self._dropped = dropped
-            return Tick(planned, now, missed)
-        return None
+def _next(inbox: _hgros.Inbox) -> Tick | None:
+    for planned, now, missed in inbox.take(1):
+        return Tick(planned, now, missed)
+    return None
 
 
 class Timer(Handler):
@@ -50,10 +40,10 @@ class Timer(Handler):
                  end: Callable[[], None]) -> None:
         super().__init__(raw, callback, end)
         self.name = name
-        self._turns = _Turns(inbox)
+        self._inbox = inbox
 
     def handle_some(self) -> bool:
-        if (tick := self._turns.next()) is not None:
+        if (tick := _next(self._inbox)) is not None:
             self.run += 1
             try:
                 self.callback(tick)
@@ -71,7 +61,7 @@ class Rate:
 
     def __init__(self, raw: _hgros.Timer, inbox: _hgros.Inbox, ready: _hgros.ReadyList) -> None:
         self._raw: _hgros.Timer | None = raw
-        self._turns = _Turns(inbox)
+        self._inbox = inbox
         self._ready = ready
 
     def sleep(self) -> Tick:
@@ -82,7 +72,7 @@ class Rate:
 
     def _turn(self) -> Tick | None:
         while self._raw is not None:
-            if (tick := self._turns.next()) is not None:
+            if (tick := _next(self._inbox)) is not None:
                 return tick
             self._ready.wait(-1.0)
         return None

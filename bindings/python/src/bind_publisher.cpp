@@ -11,6 +11,7 @@
 #include "bindings.hpp"
 #include "bulk_wire.hpp"
 #include "session_handle.hpp"
+#include "waits.hpp"
 #include "wire.hpp"
 
 namespace hgros::python {
@@ -20,9 +21,6 @@ using Clock = std::chrono::steady_clock;
 
 // Copying fewer bytes takes less time than letting another thread of Python run.
 constexpr std::size_t kHeldGilBytes = 16 * 1024;
-// A wait for room cannot be woken by a signal, so Python is asked for signals this often.
-constexpr std::chrono::milliseconds kSignalsEvery{20};
-constexpr double kLongestWaitS = 1e9;
 // Before the bytes of a loan, for all other fields of the message.
 constexpr std::size_t kHeadroomBytes = 1024;
 
@@ -33,8 +31,7 @@ PublishStatus PublishOrWait(const PublisherHandle& publisher, const Data& data, 
     const py::gil_scoped_release released;
     return publisher.Publish(data, {});
   }
-  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                           std::chrono::duration<double>(std::min(*timeout_s, kLongestWaitS)));
+  const auto deadline = Clock::now() + Nanoseconds(*timeout_s);
   while (true) {
     PublishStatus status{};
     {

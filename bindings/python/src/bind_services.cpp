@@ -11,6 +11,7 @@
 #include "hgros/session/node_timer.hpp"
 #include "service_handle.hpp"
 #include "session_handle.hpp"
+#include "waits.hpp"
 
 namespace hgros::python {
 namespace {
@@ -49,11 +50,9 @@ class TimerHandle : public OfProcess {
 Owned<TicketHandle> Call(const SessionHandle& handle, const std::string& name, const MessageSchema& request_schema,
                          const std::string& request, const MessageSchema* reply, double timeout_s,
                          const std::shared_ptr<Inbox>& inbox) {
-  constexpr double kLongestS = 1e9;
-  const std::chrono::duration<double> timeout(timeout_s < kLongestS ? timeout_s : kLongestS);
   auto ticket = handle.Use()->CallRaw(
       name, request_schema, Payload{AsBytes(request), nullptr}, reply != nullptr ? *reply : MessageSchema{},
-      std::chrono::duration_cast<std::chrono::nanoseconds>(timeout), [inbox](const CallResult<RawMessage>& result) {
+      Nanoseconds(timeout_s), [inbox](const CallResult<RawMessage>& result) {
         if (result) {
           inbox->Push(CallEnded{*result, {}, {}});
         } else {

@@ -9,15 +9,10 @@
 
 #include "bindings.hpp"
 #include "session_handle.hpp"
+#include "waits.hpp"
 
 namespace hgros::python {
 namespace {
-
-std::chrono::nanoseconds Nanoseconds(double seconds) {
-  constexpr double kMost = 1e9;
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(seconds < kMost ? seconds : kMost));
-}
 
 Config ConfigOf(const std::optional<std::string>& file, const std::optional<std::string>& text,
                 const std::vector<std::string>& sections) {

@@ -13,16 +13,13 @@
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "session_handle.hpp"
+#include "waits.hpp"
 
 namespace hgros::python {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using Matrix = std::array<double, 16>;  // Row by row.
-
-// A wait for a transform cannot be woken by a signal, so Python is asked for signals this often.
-constexpr std::chrono::milliseconds kSignalsEvery{20};
-constexpr double kLongestWaitS = 1e9;
 
 // The transforms of a session, which must end before it.
 class TransformsHandle : public OfProcess {
@@ -108,8 +105,7 @@ TransformResult WaitPart(const TransformsHandle& handle, const std::string& targ
 py::tuple Lookup(const TransformsHandle& handle, const std::string& target, const std::string& source,
                  std::optional<std::int64_t> stamp_ns, double timeout_s) {
   TransformResult result = Find(handle, target, source, stamp_ns);
-  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                           std::chrono::duration<double>(std::clamp(timeout_s, 0.0, kLongestWaitS)));
+  const auto deadline = Clock::now() + Nanoseconds(timeout_s);
   while (!result && Clock::now() < deadline) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (WaitPart(handle, target, source, stamp_ns, deadline)) break;

@@ -2,8 +2,19 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 namespace hgros::python {
+namespace {
+
+// A turn that is dropped is missed, as are those that it missed itself.
+void CountAsMissed(const Arrival& dropped, Arrival& next) {
+  const auto* turn = std::get_if<Tick>(&dropped);
+  auto* later = std::get_if<Tick>(&next);
+  if (turn != nullptr && later != nullptr) later->missed += turn->missed + 1;
+}
+
+}  // namespace
 
 void Inbox::SetQueue(const Queue& queue) {
   RefuseInChild();
@@ -33,6 +44,7 @@ void Inbox::Push(Arrival arrival) {
     oldest = std::move(arrivals_.front());
     arrivals_.pop_front();
     ++dropped_;
+    CountAsMissed(*oldest, arrivals_.empty() ? arrival : arrivals_.front());
   }
   bytes_ += BytesOf(arrival);
   arrivals_.push_back(std::move(arrival));

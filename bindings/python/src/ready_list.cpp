@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "waits.hpp"
 
 namespace hgros::python {
 namespace {
@@ -109,7 +110,6 @@ class SignalWaker {
 };
 
 // More is as good as forever.
-constexpr double kLongestWaitS = 1e9;
 
 timespec TimeLeft(Clock::time_point deadline) {
   const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(deadline - Clock::now());
@@ -173,9 +173,7 @@ std::vector<int> ReadyList::Wait(double timeout_s) {
   std::vector<int> keys = Take();
   if (!keys.empty()) return keys;
   const bool forever = timeout_s < 0 || timeout_s > kLongestWaitS || std::isnan(timeout_s);
-  const auto deadline =
-      forever ? Clock::time_point::max()
-              : Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
+  const auto deadline = forever ? Clock::time_point::max() : Clock::now() + Nanoseconds(timeout_s);
   while (true) {
     std::array<pollfd, 2> waited{};
     int found = 0;
