@@ -143,7 +143,7 @@ SessionCore::~SessionCore() {
   }
   outbound_.Close();
   changes_.Notify();
-  const auto linger = outbound_.AwaitSent(kLinger, changes_);
+  const auto linger = outbound_.AwaitSent(kLinger, std::chrono::milliseconds(config_.peer_timeout_ms), changes_);
   inbound_->Close();
   if (steering_) steering_->End();
   if (bridge_) bridge_->Close(static_cast<int>(linger.count()));  // May still post errands: events of peers that go.
