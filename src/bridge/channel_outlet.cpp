@@ -101,12 +101,16 @@ void ChannelOutlet::Number(PacketHead& head, std::uint64_t own_number) noexcept 
   if (own_number == 0 && events_.on_numbered) events_.on_numbered(head);
 }
 
-bool ChannelOutlet::HasUnfinished(bool promises_only) const {
+bool ChannelOutlet::HasUnfinished() const {
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
-  const bool queued = transports_ && transports_->stats().queued_bytes > 0;
-  const bool kept = transports_ && transports_->Unfinished() > 0;
-  return promises_only ? queued && kept : queued || kept || promised_ > 0;
+  return promised_ > 0 || (transports_ && (transports_->stats().queued_bytes > 0 || transports_->Unfinished() > 0));
+}
+
+std::size_t ChannelOutlet::Unsent() const {
+  const EndsLater after_the_lock;
+  const std::scoped_lock lock(order_mutex_);
+  return transports_ && transports_->stats().queued_bytes > 0 ? transports_->Unfinished() : 0;
 }
 
 void ChannelOutlet::AddPast(const JoinedOutbound& left) {
@@ -120,16 +124,14 @@ void ChannelOutlet::AddPast(const JoinedOutbound& left) {
 std::optional<Block> ChannelOutlet::Loan(std::size_t size_bytes) {
   loans_.fetch_add(1, std::memory_order_relaxed);
   const std::shared_lock lock(transports_mutex_);
-  std::optional<Block> block;
-  if (transports_) block = transports_->Loan(size_bytes);
+  std::optional<Block> block = transports_ ? transports_->Loan(size_bytes) : std::nullopt;
   if (!block) heap_loans_.fetch_add(1, std::memory_order_relaxed);
   return block;
 }
 
 bool ChannelOutlet::wanted() const noexcept {
-  if (!published_.load(std::memory_order_relaxed) && events_.on_first_publish()) {
-    published_.store(true, std::memory_order_relaxed);
-  }
+  const bool first = !published_.load(std::memory_order_relaxed) && events_.on_first_publish();
+  if (first) published_.store(true, std::memory_order_relaxed);
   return heard_.load(std::memory_order_relaxed) || latched_.load(std::memory_order_relaxed) > 0;
 }
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "hgros/base/names.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 #include "hgros/services/services.hpp"
@@ -21,10 +20,6 @@ constexpr std::size_t kRepliesInFlight = 1024;
 constexpr std::int64_t kSoonNs = 150'000;
 constexpr std::int64_t kMostCountedNs = 3 * kSoonNs;  // Limits the effect of one slow reply on the average.
 constexpr std::size_t kSmallBytes = 64 * 1024;
-// After this time, a call that waits for a server is logged.
-constexpr auto kTimeForServers = std::chrono::seconds(5);
-// Many calls may fail at a time, and looking for a similar name takes long.
-constexpr auto kSuggestionLasts = std::chrono::seconds(1);
 constexpr auto kTimeForTheReason = std::chrono::milliseconds(50);
 // A service that moves to another session is served by two for a moment.
 constexpr auto kTimeToMove = std::chrono::seconds(1);
@@ -199,8 +194,13 @@ void ServiceClient::UpdateServers(Services& services) {
   const bool told = outlet_->subscriber_count() > 0;
   const std::vector<SessionId> there = told ? outlet_->Subscribers() : std::vector<SessionId>();
   std::vector<PeerInfo> peers;
-  services.With([&](ServicePlace& place) { peers = place.Peers(); });
+  std::chrono::milliseconds silence{0};  // A killed server is still among the servers for this time.
+  services.With([&](ServicePlace& place) {
+    peers = place.Peers();
+    silence = std::chrono::milliseconds(place.LongestSilenceMs());
+  });
   std::vector<Server> gone;
+  std::chrono::steady_clock::time_point second;
   bool two = false;
   {
     const std::scoped_lock lock(mutex_);
@@ -217,13 +217,13 @@ void ServiceClient::UpdateServers(Services& services) {
       server.id = server.info.id = id;
       if (const auto peer = std::ranges::find(peers, id, &PeerInfo::id); peer != peers.end()) server.info = *peer;
     }
-    if (servers_.size() < 2) looks_for_two_ = false;
-    two = servers_.size() > 1 && !std::exchange(looks_for_two_, true);
+    if (servers_.size() > 1) second = servers_[1].since;
+    two = second != std::exchange(second_since_, second) && servers_.size() > 1;
   }
   for (const Server& server : gone) EndCallsSoon(services, server);
   if (two)
-    services.PostAt(std::chrono::steady_clock::now() + kTimeToMove, [weak = weak_from_this()] {
-      if (const auto client = weak.lock()) client->SayIfTwoServe();
+    services.PostAt(second + silence + kTimeToMove, [weak = weak_from_this(), second] {
+      if (const auto client = weak.lock()) client->SayIfTwoServe(second);
     });
 }
 
@@ -243,22 +243,6 @@ void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
                       if (still) still->calls()->End(number, end);
                     }
                   });
-}
-
-void ServiceClient::SayIfTwoServe() {
-  const auto services = services_.lock();
-  std::unique_lock lock(mutex_);
-  const std::vector<Server> servers = servers_;
-  lock.unlock();
-  if (!services || servers.size() < 2) return;
-  std::string all = "Session " + servers.front().info.name();
-  for (std::size_t i = 1; i < servers.size(); ++i) all += " and session " + servers[i].info.name();
-  std::string sentence = "Service \"" + name_ + "\" is served by more than one session: " + all +
-                         ". Calls go to the first one while it serves. Give the others another name.";
-  services->log()->Write(LogLevel::kWarning, sentence);
-  services->With([&](ServicePlace& place) {
-    place.ReportServedTwice(servers.back().info, RequestChannel(name_), std::move(sentence));
-  });
 }
 
 void ServiceClient::SendWaiting(Services& services) {
@@ -313,45 +297,6 @@ void ServiceClient::EndWithoutServer(Services& services) {
   services.PostAt(search.complete_at, [weak = weak_from_this()] {
     if (const auto client = weak.lock()) client->Update();
   });
-}
-
-void ServiceClient::SayIfCallsWait(bool said) {
-  const auto services = services_.lock();
-  if (!services) return;
-  std::chrono::nanoseconds longest{0};
-  {
-    const std::scoped_lock lock(mutex_);
-    std::erase_if(waiting_, [](const auto& call) { return call->done(); });
-    if (waiting_.empty() || !servers_.empty()) {
-      says_waiting_ = false;
-      return;
-    }
-    for (const auto& call : waiting_) longest = std::max(longest, call->Age());
-  }
-  if (!said && longest >= kTimeForServers) {
-    services->log()->WriteLimited(
-        LogLevel::kWarning, "waits " + name_,
-        "A call of service \"" + name_ + "\" waits: no session that is reached serves it." + Suggestion());
-    said = true;
-  }
-  const std::chrono::nanoseconds pause = said ? kTimeForServers : kTimeForServers - longest;
-  services->PostAt(std::chrono::steady_clock::now() + pause, [weak = weak_from_this(), said] {
-    if (const auto client = weak.lock()) client->SayIfCallsWait(said);
-  });
-}
-
-std::string ServiceClient::Suggestion() {
-  const auto now = std::chrono::steady_clock::now();
-  const std::scoped_lock lock(suggestion_mutex_);
-  if (suggested_at_ && now - *suggested_at_ < kSuggestionLasts) return suggestion_;
-  std::vector<std::string> names;
-  if (const auto services = services_.lock()) {
-    services->With([&](ServicePlace& place) { names = place.KnownServices(); });
-  }
-  const std::string nearest = NearestName(name_, names);
-  suggestion_ = nearest.empty() || nearest == name_ ? std::string() : " Did you mean \"" + nearest + "\"?";
-  suggested_at_ = now;
-  return suggestion_;
 }
 
 void ServiceClient::EndWaiting(const CallEnd& end) {

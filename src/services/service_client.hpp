@@ -72,6 +72,8 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   void UpdateServers(Services& services);
   void SendWaiting(Services& services);
   void EndWithoutServer(Services& services);
+  // After this time, a call that waits for a server is logged.
+  static constexpr auto kTimeForServers = std::chrono::seconds(5);
   // Looks again until no call waits.
   void SayIfCallsWait(bool said);
   void EndWaiting(const CallEnd& end);
@@ -79,10 +81,12 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   struct Server {
     SessionId id;
     PeerInfo info;
+    std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
   };
   // Ends them after a delay, so that a more precise reason can come first: a type mismatch, or the end of the session.
   void EndCallsSoon(Services& services, const Server& server);
-  void SayIfTwoServe();
+  // Says nothing if the second server of then is no longer the second.
+  void SayIfTwoServe(std::chrono::steady_clock::time_point second);
 
   const std::string name_;
   const TypeInfo& request_;
@@ -94,11 +98,11 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   std::atomic<std::int64_t> usual_ns_{0};  // Moving average of the time from a call to its reply.
 
   std::mutex mutex_;
-  std::vector<Server> servers_;
+  std::vector<Server> servers_;  // In the order in which they were found.
   std::deque<std::shared_ptr<CallState>> waiting_;
   std::map<std::uint64_t, std::string> misfits_;  // Error texts of sessions whose types do not fit, by session id.
-  bool looks_for_two_ = false;
-  bool says_waiting_ = false;  // SayIfCallsWait() will be called.
+  std::chrono::steady_clock::time_point second_since_;  // When the second of servers_ was found; zero without it.
+  bool says_waiting_ = false;                           // SayIfCallsWait() will be called.
 
   std::mutex suggestion_mutex_;
   std::string suggestion_;  // Guarded by suggestion_mutex_, like the next one.

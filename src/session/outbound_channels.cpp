@@ -135,32 +135,43 @@ void OutboundChannels::Close() {
   closed_ = true;
 }
 
-std::string OutboundChannels::Unsent() const {
+OutboundChannels::Waiting OutboundChannels::Unsent() const {
+  Waiting waiting;
+  const auto add = [&waiting](const ChannelOutlet& outlet) {
+    const std::size_t messages = outlet.Unsent();
+    if (messages > 0) waiting = {waiting.messages + messages, outlet.channel()};
+  };
   const std::scoped_lock lock(mutex_);
-  for (const auto& [name, outlet] : outlets_) {
-    if (outlet->HasUnfinished(true)) return name;
-  }
-  for (const auto& outlet : service_outlets_) {
-    if (outlet->HasUnfinished(true)) return outlet->channel();
-  }
-  return {};
+  for (const auto& [name, outlet] : outlets_) add(*outlet);
+  for (const auto& outlet : service_outlets_) add(*outlet);
+  return waiting;
 }
 
 // Here, because the transports would wait one after another.
 std::chrono::milliseconds OutboundChannels::AwaitSent(std::chrono::milliseconds at_most,
+                                                      std::chrono::milliseconds at_most_with_progress,
                                                       const ChangeSignal& changes) const {
   constexpr std::chrono::milliseconds kPause{1};  // Credit is no change of the session.
   constexpr std::chrono::milliseconds kTimeForGoodbye{50};
-  const auto deadline = std::chrono::steady_clock::now() + at_most;
-  const auto all_sent = [this] { return Unsent().empty(); };
+  auto deadline = std::chrono::steady_clock::now() + at_most;
+  const auto last_deadline = std::chrono::steady_clock::now() + std::max(at_most, at_most_with_progress);
+  Waiting rest = Unsent();
+  const auto all_sent = [this] { return Unsent().messages == 0; };
   const auto late = [&] { return std::chrono::steady_clock::now() > deadline - 2 * kTimeForGoodbye; };
   while (!changes.WaitUntil(kPause, all_sent, late)) {
     if (!late()) continue;
-    log_->Write(LogLevel::kWarning, "The session ends, but a lossless subscriber of channel \"" + Unsent() +
+    const std::size_t before = std::exchange(rest, Unsent()).messages;
+    if (rest.messages < before && deadline < last_deadline) {
+      deadline = std::min(std::chrono::steady_clock::now() + at_most, last_deadline);
+      continue;
+    }
+    if (rest.messages == 0) break;
+    log_->Write(LogLevel::kWarning, "The session ends, but a lossless subscriber of channel \"" + rest.channel +
                                         "\" does not take its messages. The rest is lost.");
     return kTimeForGoodbye;
   }
-  return std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+  return std::max(kTimeForGoodbye,
+                  std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()));
 }
 
 void OutboundChannels::Detach() {

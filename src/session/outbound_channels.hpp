@@ -47,9 +47,11 @@ class OutboundChannels {
   void SetForbidden(const std::string& channel, bool forbidden, const Later& later);
   // Creates no more outlets.
   void Close();
-  // Waits until everything was sent to lossless subscribers. Logs it if they do not take it in time. Returns the time
-  // that is left for the rest of the end.
+  // Waits until everything was sent to lossless subscribers: `at_most` without progress, and `at_most_with_progress`
+  // while the number of messages falls. Logs it if they do not take it in time. Returns the time that is left for the
+  // rest of the end.
   [[nodiscard]] std::chrono::milliseconds AwaitSent(std::chrono::milliseconds at_most,
+                                                    std::chrono::milliseconds at_most_with_progress,
                                                     const ChangeSignal& changes) const;
   // Later publishes stay inside the process.
   void Detach();
@@ -60,8 +62,12 @@ class OutboundChannels {
   void AddTo(std::vector<ChannelTraffic>& traffic) const;
 
  private:
-  // The first channel with messages that still wait to be sent to lossless subscribers; empty: none.
-  [[nodiscard]] std::string Unsent() const;
+  struct Waiting {
+    std::size_t messages = 0;
+    std::string channel;  // One of those that they wait in.
+  };
+  // Messages of channels in which some still wait to be sent to lossless subscribers.
+  [[nodiscard]] Waiting Unsent() const;
   struct Forbidden {
     bool apart;            // Its outlet, if there is one, is not joined. Otherwise accepted messages still leave it.
     std::uint64_t number;  // Counts the calls that have forbidden a channel.

@@ -19,6 +19,8 @@
 namespace hgros {
 namespace {
 
+constexpr std::string_view kLibraryPrefix = "hgros/";
+
 // If a configured node or channel does not exist after this time, its name may be misspelled.
 constexpr auto kTimeForNames = std::chrono::seconds(5);
 
@@ -141,7 +143,7 @@ SessionCore::~SessionCore() {
   }
   outbound_.Close();
   changes_.Notify();
-  const auto linger = outbound_.AwaitSent(kLinger, changes_);
+  const auto linger = outbound_.AwaitSent(kLinger, std::chrono::milliseconds(config_.peer_timeout_ms), changes_);
   inbound_->Close();
   if (steering_) steering_->End();
   if (bridge_) bridge_->Close(static_cast<int>(linger.count()));  // May still post errands: events of peers that go.
@@ -161,9 +163,9 @@ bool SessionCore::TakesWiring() const {
 }
 
 Channel& SessionCore::OpenAny(std::string_view name, const TypeInfo& type, const CallSite& where) {
-  if (name.starts_with(kOwnChannels)) {
+  if (name.starts_with(kLibraryPrefix)) {
     throw Error("Channel \"" + std::string(name) + "\" belongs to the library: a program cannot publish on it.",
-                {where.ToString()}, "Use a name that does not begin with \"" + std::string(kOwnChannels) + "\".");
+                {where.ToString()}, "Use a name that does not begin with \"" + std::string(kLibraryPrefix) + "\".");
   }
   Channel& channel = graph_->Open(name, type, where);
   if (DataGraph::HasOutlet(channel)) return channel;
@@ -232,7 +234,7 @@ Subscription SessionCore::SubscribeAny(Channel& channel, const TypeInfo& type, I
 
 // A caller that waits for subscribers is about to publish, so the channel is announced.
 bool SessionCore::WaitForSubscribers(std::string_view channel, std::size_t count, std::chrono::nanoseconds timeout) {
-  if (graph_->NodeCount(channel) > 0 && !closing_ && !channel.starts_with(kOwnChannels)) {
+  if (graph_->NodeCount(channel) > 0 && !closing_ && !channel.starts_with(kLibraryPrefix)) {
     const TypeInfo& type = DataGraph::TypeOfChannel(graph_->Open(channel, AnyType(), CallSite::Current()));
     if (type.encoding != Encoding::kNone) (void)OpenAny(channel, type, CallSite::Current());
   }

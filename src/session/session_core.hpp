@@ -108,6 +108,7 @@ class SessionCore final : public TransportListener, private ServicePlace {
   }
   [[nodiscard]] DataGraph& Graph() override { return *graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string& channel) override;
+  [[nodiscard]] int LongestSilenceMs() const override { return config_.peer_timeout_ms + 2 * config_.heartbeat_ms; }
   [[nodiscard]] ReplyWays WaysOf(const std::string& service) const override;
   void ReportServedTwice(const PeerInfo& other, std::string channel, std::string sentence) noexcept override {
     events_->PublishPeer(*errands_, {PeerEvent::Kind::kServedTwice, other, std::move(channel), std::move(sentence)});
@@ -124,7 +125,6 @@ class SessionCore final : public TransportListener, private ServicePlace {
   // Throws Error while the session shuts down. False after exit() in a callback: other threads may still wire then.
   [[nodiscard]] bool TakesWiring() const;
   static constexpr std::chrono::milliseconds kLinger{500};
-  static constexpr std::string_view kOwnChannels = "hgros/";
   // Creates the bridge at the first call. Call it under mutex_, and not once closing_ is set.
   NetworkBridge& EnsureTransports();
   // A function that runs its argument on the errand thread after a delay.

@@ -1,5 +1,7 @@
 // Documents that are put together from several.
 #include <algorithm>
+#include <map>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -16,7 +18,8 @@ constexpr std::size_t kMostFiles = 32;
 constexpr std::string_view kInclude = "include";
 
 const Node* FindValue(const Node& map, std::string_view key) {
-  const auto found = std::ranges::find(map.entries, key, [](const Node::Entry& one) { return one.key->text; });
+  const auto found =
+      std::ranges::find(map.entries, key, [](const Node::Entry& one) -> const std::string& { return one.key->text; });
   return found == map.entries.end() ? nullptr : found->value;
 }
 
@@ -105,13 +108,19 @@ class DocumentMerger {
     if (upper.kind == Node::Kind::kNull) return lower;
     if (upper.kind != Node::Kind::kMap) return upper;
     Node& merged = Add(upper);
+    std::map<std::string_view, const Node::Entry*> added;  // Of `upper`, without those that are in `lower`.
+    for (const Node::Entry& entry : upper.entries) added.emplace(entry.key->text, &entry);
     for (const Node::Entry& entry : lower.entries) {
-      const auto same = std::ranges::find(upper.entries, entry.key->text,
-                                          [](const Node::Entry& one) -> const std::string& { return one.key->text; });
-      Append(merged, same == upper.entries.end() ? entry : Node::Entry{same->key, &Merge(*entry.value, *same->value)});
+      const auto same = added.find(entry.key->text);
+      if (same == added.end()) {
+        Append(merged, entry);
+        continue;
+      }
+      Append(merged, {same->second->key, &Merge(*entry.value, *same->second->value)});
+      added.erase(same);
     }
     for (const Node::Entry& entry : upper.entries) {
-      if (FindValue(lower, entry.key->text) == nullptr) Append(merged, entry);
+      if (added.contains(entry.key->text)) Append(merged, entry);
     }
     return merged;
   }

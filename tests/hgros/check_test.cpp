@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <map>
 #include <string>
 #include <vector>
@@ -148,6 +149,20 @@ TEST(HgrosCheck, EndsSoonForLongListsThatHaveNothingInCommon) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_GE(files.Findings({"robot.yaml", "desk.yaml"}).size(), 2 * kMany);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+}
+
+TEST(HgrosCheck, EndsSoonForManyChannelsInFilesThatIncludeEachOther) {
+  const auto channels = [](int first) {
+    std::string text = "channels:\n";
+    for (int i = first; i < first + 20'000; ++i) text += "  number" + std::to_string(i) + ": {latched: 1}\n";
+    return text;
+  };
+  ConfigFiles files;
+  files.Add("below.yaml", channels(0));
+  files.Add("robot.yaml", "include: below.yaml\n" + channels(10'000));
+  const auto begin = std::clock();
+  EXPECT_THAT(files.Findings({"robot.yaml"}), IsEmpty());
+  EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);
 }
 
 TEST(HgrosCheck, TellsAMisspellingOnceInLongLists) {

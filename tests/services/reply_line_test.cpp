@@ -299,6 +299,7 @@ class TightPlace final : public ServicePlace {
   [[nodiscard]] DataGraph& Graph() override { return graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string&) override { return {}; }
   [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
+  [[nodiscard]] int LongestSilenceMs() const override { return 0; }
   [[nodiscard]] ReplyWays WaysOf(const std::string&) const override { return {.offered = 1}; }
   [[nodiscard]] std::vector<std::string> KnownServices() override { return {}; }
   void ReportServedTwice(const PeerInfo&, std::string, std::string) noexcept override {}
@@ -359,6 +360,7 @@ class OpenPlace final : public ServicePlace {
   [[nodiscard]] DataGraph& Graph() override { return graph_; }
   [[nodiscard]] ChannelSearch Search(const std::string&) override { return {}; }
   [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
+  [[nodiscard]] int LongestSilenceMs() const override { return 0; }
   [[nodiscard]] ReplyWays WaysOf(const std::string&) const override { return {.offered = 1}; }
   [[nodiscard]] std::vector<std::string> KnownServices() override { return {}; }
   void ReportServedTwice(const PeerInfo&, std::string, std::string) noexcept override {}

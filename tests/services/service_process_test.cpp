@@ -2,8 +2,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -48,6 +50,7 @@ class ServerProcess {
       line.push_back(static_cast<char>(c));
     return line;
   }
+  [[nodiscard]] pid_t pid() const { return pid_; }
   void Kill() {
     if (pid_ <= 0) return;
     kill(pid_, SIGKILL);
@@ -59,6 +62,8 @@ class ServerProcess {
   pid_t pid_ = -1;
   std::FILE* output_ = nullptr;
 };
+
+class KilledServer : public test::DomainFixture {};
 
 class KilledServerProcess : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
 
@@ -101,6 +106,33 @@ TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
       return kind == Kind::kNoServer;
     }));
   }
+}
+
+// The caller notices the end of a killed server on another host only after a peer timeout.
+TEST_F(KilledServer, IsNotSaidToServeBesideTheOneThatReplacesIt) {
+  Robot robot(
+      "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, heartbeat_ms: 100, peer_timeout_ms: 1500}\n"
+      "discovery: {local: false}\n",
+      "caller");
+  const std::string yaml = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, subscribers: [{ip: '" +
+                           robot->PublisherEndpoints().at(0) + "'}]}\ndiscovery: {local: false}\n";
+  std::unique_ptr<ServerProcess> server;
+  for (int lives = 1; lives <= 3; ++lives) {
+    server = std::make_unique<ServerProcess>(yaml);
+    const std::string line = server->Line();
+    ASSERT_TRUE(line.starts_with("at ")) << line;
+    robot->AddSubscriberEndpoint({line.substr(3), {}, true});
+    if (lives == 1) {
+      ASSERT_TRUE((robot->Call<Sum, Total>("add", Sum{20, 3}, kLong).Wait()));
+    }
+    const auto is_server = [&](const PeerInfo& peer) { return peer.pid == server->pid(); };
+    ASSERT_TRUE(test::Await([&] { return std::ranges::any_of(robot->Peers(), is_server); }));
+    if (lives < 3) server->Kill();
+  }
+  ASSERT_TRUE(test::Await([&] { return robot->Peers().size() == 1; }));
+  const auto answers = [&] { return bool(robot->Call<Sum, Total>("add", Sum{20, 3}, kLong).Wait()); };
+  ASSERT_TRUE(test::Await(answers));
+  EXPECT_FALSE(robot.Said("served by more than one session"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Placed, KilledServerProcess, testing::Values("sharedmemory", "ipc", "tcp"),

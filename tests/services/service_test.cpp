@@ -303,13 +303,14 @@ TEST_F(Services, AcceptCallsThatAreMadeWhileTheyStart) {
 }
 
 TEST_F(Services, ReportTwoServersAndCallTheFirst) {
-  Robot caller("", "caller");
+  const std::string soon = "network: {heartbeat_ms: 100, peer_timeout_ms: 500}";
+  Robot caller(soon, "caller");
   std::atomic<int> events{0};
   const auto listening = caller->FromGraph<PeerEvent>(kPeerEventsChannel, Invoke::kSerial, [&](const PeerEvent& event) {
     if (event.kind == PeerEvent::Kind::kServedTwice && event.channel == "hgros/call/who") ++events;
   });
-  Robot first("", "first");
-  Robot second("", "second");
+  Robot first(soon, "first");
+  Robot second(soon, "second");
   std::atomic<int> calls{0};
   const auto handler = [&](const char* name) {
     return [&calls, name](const Note&) {

@@ -72,6 +72,24 @@ TEST_P(SessionEnd, WaitsForTheCreditOfASubscriber) {
   EXPECT_EQ(talker->Count(kRestIsLost), 0U);
 }
 
+TEST_P(SessionEnd, WaitsForASlowSubscriberWhileItTakesMessages) {
+  const auto talker = MakeTalker();
+  const auto publish = (*talker)->Advertise<Note>("notes", {.latched = 10});
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
+  const auto listener = MakeListener(*talker);
+  std::atomic<int> taken{0};
+  const auto take = [&](const Note&) {
+    test::Linger(std::chrono::milliseconds(150));
+    ++taken;
+  };
+  const auto subscription =
+      (*listener)->FromAny<Note>("notes", kSerial, take, {{}, Queue::KeepAll(1), Executor::Dedicated()});
+  ASSERT_TRUE(Await([&] { return taken > 0; }));
+  talker->session.reset();
+  EXPECT_TRUE(Await([&] { return taken == 10; })) << taken;
+  EXPECT_EQ(talker->Count(kRestIsLost), 0U);
+}
+
 TEST_P(SessionEnd, SaysOnceThatASubscriberTakesNothing) {
   const auto talker = MakeTalker();
   const auto publish = (*talker)->Advertise<Note>("notes", {.latched = 10});

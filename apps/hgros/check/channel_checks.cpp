@@ -1,8 +1,10 @@
 // Lists of channels at the two ends of a connection.
 #include <algorithm>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -175,17 +177,18 @@ void CheckNames(const Deployment& deployment, MeantNames& meant, FileFindings& f
     }
   }
   for (const DescribedProcess& process : deployment.processes) {
-    const auto check = [&](const std::string& name, const FilePosition& at) {
+    // Finding a place takes long, so only what is reported is looked for.
+    const auto check = [&](const std::string& name, std::initializer_list<std::string_view> keys) {
       if (listed.contains(name)) return;
       const std::string near = meant.Alike(name, listed);
       if (near.empty()) return;
-      findings.push_back({Severity::kWarning, "name", at,
+      findings.push_back({Severity::kWarning, "name", process.PlaceOf(keys),
                           "No list of channels has " + name + ", but one has " + near + ".",
                           "Did you mean " + near + "?", name});
     };
-    for (const auto& [name, settings] : process.config.channels) check(name, process.PlaceOf({"channels", name}));
+    for (const auto& [name, settings] : process.config.channels) check(name, {"channels", name});
     for (const std::string& name : process.config.closed_channels) {
-      check(name, process.PlaceOf({"data_graph", "close_channels"}));
+      check(name, {"data_graph", "close_channels"});
     }
   }
 }

@@ -17,7 +17,8 @@ using yaml::Node;
 
 const Node* Find(const Node& map, std::string_view key) {
   if (map.kind != Node::Kind::kMap) return nullptr;
-  const auto entry = std::ranges::find(map.entries, key, [](const Node::Entry& one) { return one.key->text; });
+  const auto entry =
+      std::ranges::find(map.entries, key, [](const Node::Entry& one) -> const std::string& { return one.key->text; });
   return entry == map.entries.end() ? nullptr : entry->value;
 }
 

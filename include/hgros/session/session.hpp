@@ -34,8 +34,8 @@ struct SessionOptions {
 ///
 /// Threading: thread-safe, except for construction and destruction.
 /// Lifetime: the destructor refuses publishes, stops receiving, waits for running callbacks (after 2 s the log names
-/// those that hang), and says goodbye to its peers. What was published is still sent; if a lossless subscriber does not
-/// take it, the destructor waits for it for 500 ms, and the log says that the rest is lost. Destroy it outside its
+/// those that hang), and says goodbye to its peers. What was published is still sent; if a lossless subscriber takes
+/// nothing for 500 ms, or not all within peer_timeout_ms, the log says that the rest is lost. Destroy it outside its
 /// callbacks: inside one, it says goodbye, logs which callback it was, and the rest of it stays until the process ends.
 /// exit() may be called anywhere; inside a callback the session says goodbye and ends with the process. In both cases
 /// SessionOptions::log may be called until the process ends. Errors: wiring (channels, types, endpoints) throws Error.

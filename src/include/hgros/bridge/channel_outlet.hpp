@@ -42,8 +42,9 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   // If `stays`, later publishes stay inside the process. Those that were accepted still leave until Detach().
   void SetStays(bool stays);
   // Whether accepted messages have not left, or lossless subscribers have not consumed them.
-  // `promises_only`: only whether accepted messages for lossless subscribers have not left.
-  [[nodiscard]] bool HasUnfinished(bool promises_only = false) const;
+  [[nodiscard]] bool HasUnfinished() const;
+  // If accepted messages have not left: how many lossless subscribers have not consumed. Otherwise 0.
+  [[nodiscard]] std::size_t Unsent() const;
   void Latch(std::size_t count) {
     if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
   }

@@ -36,6 +36,8 @@ class ServicePlace {
   [[nodiscard]] virtual DataGraph& Graph() = 0;
   [[nodiscard]] virtual ChannelSearch Search(const std::string& channel) = 0;
   [[nodiscard]] virtual std::vector<PeerInfo> Peers() const = 0;
+  // The time for which a peer that ended without a goodbye may still be among the peers.
+  [[nodiscard]] virtual int LongestSilenceMs() const = 0;
   [[nodiscard]] virtual ReplyWays WaysOf(const std::string& service) const = 0;
   // The names of all services that this session and the sessions that it knows serve.
   [[nodiscard]] virtual std::vector<std::string> KnownServices() = 0;
