@@ -4,10 +4,16 @@
 
 static void Log(void* user, int32_t level, const char* text) { hgrosGoLog((uintptr_t)user, level, (char*)text); }
 
+static __thread int32_t callbacks = 0;
+
+int32_t GoInCallback(void) { return callbacks; }
+
 static void Release(void* user) { hgrosGoRelease((uintptr_t)user); }
 
 static void Handle(void* user, const hgros_message* request, hgros_reply* reply) {
+  ++callbacks;
   hgrosGoHandle((uintptr_t)user, (hgros_message*)request, reply);
+  --callbacks;
 }
 
 static void Replied(void* user, hgros_status status, const char* sentence, const hgros_message* reply) {
@@ -42,7 +48,9 @@ hgros_status GoCallLater(hgros_session* session, const char* name, const hgros_s
 }
 
 static void Changed(void* user, const char* path, const char* yaml) {
+  ++callbacks;
   hgrosGoChanged((uintptr_t)user, (char*)path, (char*)yaml);
+  --callbacks;
 }
 
 hgros_status GoParamsWatch(hgros_params* params, const char* path, uintptr_t user, hgros_watch** watch) {
@@ -50,9 +58,25 @@ hgros_status GoParamsWatch(hgros_params* params, const char* path, uintptr_t use
 }
 
 static void PeerEvent(void* user, int32_t event, const hgros_peer* peer, const char* channel, const char* reason) {
+  ++callbacks;
   hgrosGoPeer((uintptr_t)user, event, (hgros_peer*)peer, (char*)channel, (char*)reason);
+  --callbacks;
 }
 
 hgros_status GoWatchPeers(hgros_session* session, uintptr_t user, hgros_watch** watch) {
   return hgros_watch_peers(session, PeerEvent, (void*)user, Release, watch);
+}
+
+static void Tick(void* user, const hgros_tick* tick) {
+  ++callbacks;
+  hgrosGoTick((uintptr_t)user, (hgros_tick*)tick);
+  --callbacks;
+}
+
+hgros_status GoTimerOpen(hgros_session* session, const char* name, int64_t period_ns, int64_t first_ns,
+                         int32_t catch_up, uintptr_t user, hgros_timer** timer) {
+  hgros_timer_options options = {sizeof options};
+  options.first_ns = first_ns;
+  options.catch_up = catch_up;
+  return hgros_timer_open(session, name, period_ns, &options, Tick, (void*)user, Release, timer);
 }

@@ -15,4 +15,8 @@ hgros_status GoCallLater(hgros_session* session, const char* name, const hgros_s
                          size_t size, const hgros_schema* reply, int64_t timeout_ns, uintptr_t user,
                          hgros_pending_call** call);
 hgros_status GoParamsWatch(hgros_params* params, const char* path, uintptr_t user, hgros_watch** watch);
+hgros_status GoTimerOpen(hgros_session* session, const char* name, int64_t period_ns, int64_t first_ns,
+                         int32_t catch_up, uintptr_t user, hgros_timer** timer);
+// This thread runs a callback that the program gave to a session.
+int32_t GoInCallback(void);
 hgros_status GoWatchPeers(hgros_session* session, uintptr_t user, hgros_watch** watch);

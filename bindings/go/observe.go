@@ -41,12 +41,24 @@ func (s *Session) Peers() ([]Peer, error) {
 
 // Channel is a channel that some session uses.
 type Channel struct {
-	Name        string // Channels of the library itself begin with "hgros/".
-	TypeName    string // Empty: unknown.
-	Fingerprint uint64 // 0: unknown.
-	Encoding    Encoding
-	Publishers  int
-	Subscribers int
+	Name         string // Channels of the library itself begin with "hgros/".
+	TypeName     string // Empty: unknown.
+	Fingerprint  uint64 // 0: unknown.
+	Encoding     Encoding
+	Publishers   int
+	Subscribers  int
+	PublishedBy  []ChannelUser
+	SubscribedBy []ChannelUser
+}
+
+// ChannelUser is a session that publishes a channel or subscribes to it.
+type ChannelUser struct {
+	Session  uint64 // Its id.
+	Process  string
+	Host     string
+	PID      int64
+	TypeName string // The type it uses the channel with; empty: any type.
+	Lossless bool   // For a subscriber: nothing may be dropped.
 }
 
 // Channels are those of all sessions that are known, including the own, sorted by name, at one moment.
@@ -64,10 +76,43 @@ func (s *Session) Channels() ([]Channel, error) {
 		}); err != nil {
 			return nil, err
 		}
+		publishers, err := usersOf(list, i, C.HGROS_ROLE_PUBLISHER, int(entry.publishers))
+		if err != nil {
+			return nil, err
+		}
+		subscribers, err := usersOf(list, i, C.HGROS_ROLE_SUBSCRIBER, int(entry.subscribers))
+		if err != nil {
+			return nil, err
+		}
 		channels = append(channels, Channel{C.GoString(entry.name), C.GoString(entry.type_name),
-			uint64(entry.fingerprint), Encoding(entry.encoding), int(entry.publishers), int(entry.subscribers)})
+			uint64(entry.fingerprint), Encoding(entry.encoding), len(publishers), len(subscribers), publishers,
+			subscribers})
 	}
 	return channels, nil
+}
+
+func usersOf(list *C.hgros_channels, channel int, role C.int32_t, count int) ([]ChannelUser, error) {
+	users := make([]ChannelUser, 0, count)
+	for i := 0; i < count; i++ {
+		user := C.hgros_channel_user{size: C.sizeof_hgros_channel_user}
+		if err := check(func() C.hgros_status {
+			return C.hgros_channels_get_user(list, C.size_t(channel), role, C.size_t(i), &user)
+		}); err != nil {
+			return nil, err
+		}
+		users = append(users, ChannelUser{uint64(user.session), C.GoString(user.process), C.GoString(user.host),
+			int64(user.pid), C.GoString(user.type_name), user.lossless != 0})
+	}
+	return users, nil
+}
+
+// Snapshot is all counters of the session at one moment: a message hgros.Snapshot, which Decode reads. Close it.
+func (s *Session) Snapshot() (*Message, error) {
+	var handle *C.hgros_message
+	if err := s.do("session", func() C.hgros_status { return C.hgros_session_snapshot(s.handle, &handle) }); err != nil {
+		return nil, err
+	}
+	return newMessage(handle), nil
 }
 
 // PeerEvent is what has happened to a session.

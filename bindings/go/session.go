@@ -91,10 +91,18 @@ func (s *Session) End() {
 	}
 }
 
-// Close ends the session, waits for running handlers, and says goodbye to the other sessions. Do not call it inside a
-// handler; End may be called there.
+// Close ends the session, waits for running callbacks, and says goodbye to the other sessions. Inside a callback it does
+// not wait: what is left is done once the callback has returned. A callback must not wait for a goroutine that closes.
 func (s *Session) Close() {
 	s.End()
+	if C.GoInCallback() > 0 {
+		go s.finish()
+		return
+	}
+	s.finish()
+}
+
+func (s *Session) finish() {
 	s.close()
 	<-s.freed
 	s.childrenMutex.Lock()

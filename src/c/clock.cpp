@@ -63,26 +63,30 @@ hgros_status hgros_session_sleep_until(const hgros_session* session, int64_t due
 hgros_status hgros_timer_open(hgros_session* session, const char* name, int64_t period_ns,
                               const hgros_timer_options* options, hgros_timer_callback callback, void* user,
                               hgros_release release, hgros_timer** timer) {
-  return c::CreatingFor(user, release, timer, [&](const std::shared_ptr<const c::User>& kept) {
-    const hgros_session& on = c::Opened(session);
-    if (callback == nullptr) c::RefuseNull("callback");
-    const hgros_timer_options chosen = c::OptionsFrom(options);
-    hgros::NodeTimerOptions node;
-    node.missed = chosen.catch_up != 0 ? hgros::Missed::kCatchUp : hgros::Missed::kSkip;
-    if (chosen.first_ns > 0) node.first = hgros::Duration(chosen.first_ns);
-    node.executor = c::ExecutorOf(chosen.executor);
-    return std::make_unique<hgros_timer>(hgros_timer{on.session->CreateTimer(
-        c::Text(name, "name"), hgros::Duration(period_ns),
-        [callback, kept, life = on.life](const hgros::Tick& turn) {
-          const c::InCallback inside(life.get());
-          const hgros_tick tick{sizeof(hgros_tick), turn.planned.nanoseconds, turn.now.nanoseconds, turn.missed};
-          callback(kept->get(), &tick);
-        },
-        std::move(node))});
-  });
+  return c::CreatingFor(
+      c::CallbackOf{c::LifeOf(session), {}}, user, release, timer, [&](const std::shared_ptr<const c::User>& kept) {
+        const hgros_session& on = c::Opened(session);
+        if (callback == nullptr) c::RefuseNull("callback");
+        const hgros_timer_options chosen = c::OptionsFrom(options);
+        hgros::NodeTimerOptions node;
+        node.missed = chosen.catch_up != 0 ? hgros::Missed::kCatchUp : hgros::Missed::kSkip;
+        if (chosen.first_ns > 0) node.first = hgros::Duration(chosen.first_ns);
+        node.executor = c::ExecutorOf(chosen.executor);
+        return std::make_unique<hgros_timer>(hgros_timer{on.session->CreateTimer(
+            c::Text(name, "name"), hgros::Duration(period_ns),
+            [callback, kept, life = on.life](const hgros::Tick& turn) {
+              const c::InCallback inside(life.get());
+              const hgros_tick tick{sizeof(hgros_tick), turn.planned.nanoseconds, turn.now.nanoseconds, turn.missed};
+              callback(kept->get(), &tick);
+            },
+            std::move(node))});
+      });
 }
 
-void hgros_timer_close(hgros_timer* timer) { delete timer; }
+void hgros_timer_close(hgros_timer* timer) {
+  const c::InClose closes;
+  delete timer;
+}
 
 hgros_status hgros_simulated_clock_open(hgros_session* session, int64_t start_ns, int32_t paused,
                                         hgros_simulated_clock** clock) {

@@ -127,13 +127,15 @@ class Held final : public Dependent {
   bool left_ = false;
 };
 
-// Ends an object and destroys its handle. Not inside a callback, for which the object may have to wait.
+// Ends an object and destroys its handle. Not inside a callback or the release of its user data, for which the object
+// may have to wait.
 template <class T, class F>
 hgros_status Closing(const Life* life, Held<T>& held, F&& destroy) {
   return Guarded([&] {
     if (InCallback::Of(&held) || (life != nullptr && InCallback::Of(life))) {
       return Fail(HGROS_WOULD_DEADLOCK, "This handle cannot be closed inside a callback. Close it on another thread.");
     }
+    const InClose closes;
     held.End();
     destroy();
     return hgros_status{HGROS_OK};
@@ -154,6 +156,9 @@ inline hgros_session& Opened(hgros_session* session) {
   hgros_session& on = Given(session, "session");
   if (on.life->closed()) throw SessionClosed();
   return on;
+}
+inline std::shared_ptr<const Life> LifeOf(const hgros_session* session) {
+  return session == nullptr ? nullptr : session->life;
 }
 inline const hgros_session& Opened(const hgros_session* session) { return Opened(const_cast<hgros_session*>(session)); }
 

@@ -117,22 +117,26 @@ hgros_status hgros_session_snapshot(const hgros_session* session, hgros_message*
   });
 }
 
-void hgros_watch_close(hgros_watch* watch) { delete watch; }
+void hgros_watch_close(hgros_watch* watch) {
+  const c::InClose closes;
+  delete watch;
+}
 
 hgros_status hgros_watch_peers(hgros_session* session, hgros_peer_callback callback, void* user, hgros_release release,
                                hgros_watch** watch) {
-  return c::CreatingFor(user, release, watch, [&](const std::shared_ptr<const c::User>& kept) {
-    const hgros_session& on = c::Opened(session);
-    if (callback == nullptr) c::RefuseNull("callback");
-    auto made = std::make_unique<hgros_watch>();
-    made->subscription = on.session->FromGraph<hgros::PeerEvent>(
-        hgros::kPeerEventsChannel, hgros::Invoke::kSerial,
-        [callback, kept, life = on.life](const hgros::PeerEvent& event) {
-          const c::InCallback inside(life.get());
-          const hgros_peer peer = c::PeerOf(event.peer);
-          callback(kept->get(), c::EventOf(event.kind), &peer, event.channel.c_str(), event.reason.c_str());
-        },
-        {{}, hgros::Queue::KeepLast(1024), {}}, c::kFromC);
-    return made;
-  });
+  return c::CreatingFor(
+      c::CallbackOf{c::LifeOf(session), {}}, user, release, watch, [&](const std::shared_ptr<const c::User>& kept) {
+        const hgros_session& on = c::Opened(session);
+        if (callback == nullptr) c::RefuseNull("callback");
+        auto made = std::make_unique<hgros_watch>();
+        made->subscription = on.session->FromGraph<hgros::PeerEvent>(
+            hgros::kPeerEventsChannel, hgros::Invoke::kSerial,
+            [callback, kept, life = on.life](const hgros::PeerEvent& event) {
+              const c::InCallback inside(life.get());
+              const hgros_peer peer = c::PeerOf(event.peer);
+              callback(kept->get(), c::EventOf(event.kind), &peer, event.channel.c_str(), event.reason.c_str());
+            },
+            {{}, hgros::Queue::KeepLast(1024), {}}, c::kFromC);
+        return made;
+      });
 }

@@ -262,7 +262,8 @@ hgros_status hgros_params_watch(hgros_params* params, const char* path, hgros_pa
                                 hgros_release release, hgros_watch** watch) {
   if (watch != nullptr) *watch = nullptr;
   return c::Guarded([&] {
-    const auto kept = c::KeepUser(user, release);
+    const auto kept =
+        c::KeepUser(user, release, params == nullptr ? c::CallbackOf{} : c::CallbackOf{params->life, params->held});
     if (callback == nullptr) c::RefuseNull("callback");
     return c::UseParams(params, [&](c::Params& of) {
       hgros_watch*& place = c::Given(watch, "the place for the result");

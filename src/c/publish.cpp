@@ -93,7 +93,8 @@ hgros_status hgros_publish_wait(const hgros_publisher* publisher, const void* da
 hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void* data, size_t size, void* user,
                                     hgros_release release, int64_t timeout_ns) {
   return c::Guarded([&] {
-    const auto kept = c::KeepUser(user, release);
+    const auto kept =
+        c::KeepUser(user, release, publisher == nullptr ? c::CallbackOf{} : c::CallbackOf{publisher->of->life, {}});
     const hgros::Payload payload{c::Borrowed(data, size).bytes, kept};
     const c::Publishing& on = *c::Given(publisher, "publisher").of;
     const hgros::PublishStatus status = c::PublishIn(on, payload, timeout_ns);

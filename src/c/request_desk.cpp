@@ -11,6 +11,7 @@
 #include "c/raw.hpp"
 #include "c/readable.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/services/handled_request.hpp"
 
 namespace hgros::c {
 namespace {
@@ -43,10 +44,16 @@ Payload RequestDesk::Handle(const RawMessage& request) {
     ++number_;
     request_ = std::move(waits);
     answer_.reset();
+    due_ = HandledRequest::DueHere().value_or(std::chrono::steady_clock::time_point::max());
     SetReadable(true);
-    answered_.wait(lock, [this] { return ended_ || answer_; });
+    answered_.wait_until(lock, due_, [this] { return ended_ || answer_; });
+    if (std::exchange(request_, nullptr)) {  // Nobody has taken it in time.
+      SetReadable(false);
+    } else {
+      answered_.wait(lock, [this] { return ended_ || answer_; });
+    }
   }
-  if (!answer_) throw std::runtime_error(kEnded);
+  if (!answer_) throw NotHandled();
   Answer answer = *std::exchange(answer_, std::nullopt);
   lock.unlock();
   return PayloadOf(std::move(answer));
@@ -60,7 +67,9 @@ hgros_status RequestDesk::Take(std::int64_t timeout_ns, hgros_message*& request,
     {
       const std::scoped_lock lock(mutex_);
       if (ended_) return Fail(HGROS_CLOSED, kEnded);
-      if (request_) {
+      if (request_ && due_ <= std::chrono::steady_clock::now()) {
+        SetReadable(false);  // The caller has reported the timeout. The thread of the service drops the request.
+      } else if (request_) {
         auto lease = NewLease(request_);  // May fail for want of memory: the request then still waits.
         request_.reset();
         SetReadable(false);

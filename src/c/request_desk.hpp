@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -28,14 +29,15 @@ Payload PayloadOf(Answer answer);
 // answer.
 //
 // Thread safety: all functions.
-// Invariants: the descriptor is readable while request_ is set, and once it has ended.
+// Invariants: the descriptor is readable while request_ is set and in time, and once it has ended.
 class RequestDesk final : public Dependent, public std::enable_shared_from_this<RequestDesk> {
  public:
   // Throws Error.
   explicit RequestDesk(std::shared_ptr<Life> life);
   ~RequestDesk() override;
 
-  // For the thread of the service: waits until the program has answered. Throws the failure of the answer.
+  // For the thread of the service: waits until the program has answered. Throws the failure of the answer, or
+  // NotHandled if nobody took the request before its caller gave up, or the service has ended.
   [[nodiscard]] Payload Handle(const RawMessage& request);
   // For threads of the program.
   [[nodiscard]] hgros_status Take(std::int64_t timeout_ns, hgros_message*& request, hgros_reply*& reply);
@@ -59,6 +61,7 @@ class RequestDesk final : public Dependent, public std::enable_shared_from_this<
   std::condition_variable answered_;
   std::uint64_t number_ = 0;  // Of the last request.
   std::shared_ptr<const RawMessage> request_;
+  std::chrono::steady_clock::time_point due_;  // Of request_: later, nobody takes it.
   std::optional<Answer> answer_;
   bool ended_ = false;
   bool readable_ = false;

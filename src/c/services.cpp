@@ -8,6 +8,7 @@
 struct hgros_service {
   std::shared_ptr<hgros::c::RequestDesk> desk;  // Null with a handler.
   hgros::Service service;
+  std::atomic<bool> ended{false};  // With a desk: once `service` is being ended.
 
   ~hgros_service() {
     if (desk && !desk->in_forked_child()) desk->Stop();  // First: the service's thread may wait for an answer.
@@ -95,22 +96,23 @@ void hgros_reply_free(hgros_reply* reply) {
 hgros_status hgros_serve(hgros_session* session, const char* name, const hgros_schema* request,
                          const hgros_schema* reply, const hgros_serve_options* options, hgros_service_handler handler,
                          void* user, hgros_release release, hgros_service** service) {
-  return c::CreatingFor(user, release, service, [&](const std::shared_ptr<const c::User>& kept) {
-    const hgros_session& on = c::Opened(session);
-    const std::string_view served = c::Text(name, "name");
-    if (handler == nullptr) c::RefuseNull("handler");
-    const hgros_serve_options chosen = c::OptionsFrom(options);
-    auto made = std::make_unique<hgros_service>();
-    made->service = on.session->ServeRaw(
-        served, c::SchemaIn(request, "request"), c::SchemaIn(reply, "reply"),
-        [handler, kept, life = on.life](const hgros::RawMessage& asked) {
-          const c::InCallback inside(life.get());
-          return c::Handle(handler, *kept, asked);
-        },
-        chosen.concurrent != 0 ? hgros::Invoke::kConcurrent : hgros::Invoke::kSerial,
-        c::NodeOptionsOf(chosen, c::ExecutorOf(chosen.executor)), c::kFromC);
-    return made;
-  });
+  return c::CreatingFor(c::CallbackOf{c::LifeOf(session), {}}, user, release, service,
+                        [&](const std::shared_ptr<const c::User>& kept) {
+                          const hgros_session& on = c::Opened(session);
+                          const std::string_view served = c::Text(name, "name");
+                          if (handler == nullptr) c::RefuseNull("handler");
+                          const hgros_serve_options chosen = c::OptionsFrom(options);
+                          auto made = std::make_unique<hgros_service>();
+                          made->service = on.session->ServeRaw(
+                              served, c::SchemaIn(request, "request"), c::SchemaIn(reply, "reply"),
+                              [handler, kept, life = on.life](const hgros::RawMessage& asked) {
+                                const c::InCallback inside(life.get());
+                                return c::Handle(handler, *kept, asked);
+                              },
+                              chosen.concurrent != 0 ? hgros::Invoke::kConcurrent : hgros::Invoke::kSerial,
+                              c::NodeOptionsOf(chosen, c::ExecutorOf(chosen.executor)), c::kFromC);
+                          return made;
+                        });
 }
 
 hgros_status hgros_serve_queue(hgros_session* session, const char* name, const hgros_schema* request,
@@ -129,6 +131,12 @@ hgros_status hgros_serve_queue(hgros_session* session, const char* name, const h
         [desk = made->desk](const hgros::RawMessage& asked) { return desk->Handle(asked); }, hgros::Invoke::kSerial,
         c::NodeOptionsOf(chosen, hgros::Executor::Dedicated()), c::kFromC);
     on.life->Add(made->desk);
+    const hgros::NodeSnapshot node = made->service.stats();
+    if (node.executor.kind() != hgros::Executor::Kind::kDedicated) {
+      throw hgros::Error("The node \"" + node.name + "\" hands out the requests of service \"" + std::string(served) +
+                             "\" and waits for the program, but its configuration has another executor.",
+                         {}, "Remove the executor setting, or set `executor: dedicated`.");
+    }
     return made;
   });
 }
@@ -152,10 +160,15 @@ int32_t hgros_service_descriptor(const hgros_service* service) {
 
 void hgros_service_end(hgros_service* service) {
   if (service == nullptr || !service->desk || service->desk->in_forked_child()) return;
+  const c::InClose closes;
   service->desk->Stop();
+  if (!service->ended.exchange(true)) (void)c::Guarded([&] { service->service.Reset(); });
 }
 
-void hgros_service_close(hgros_service* service) { delete service; }
+void hgros_service_close(hgros_service* service) {
+  const c::InClose closes;
+  delete service;
+}
 
 hgros_status hgros_call(hgros_session* session, const char* name, const hgros_schema* request_schema, const void* data,
                         size_t size, const hgros_schema* reply_schema, int64_t timeout_ns, hgros_message** reply) {
@@ -178,7 +191,7 @@ hgros_status hgros_call_later(hgros_session* session, const char* name, const hg
                               hgros_pending_call** call) {
   if (call != nullptr) *call = nullptr;
   return c::Guarded([&] {
-    const auto kept = c::KeepUser(user, release);
+    const auto kept = c::KeepUser(user, release, {c::LifeOf(session), {}});
     hgros_session& on = c::Opened(session);
     if (callback == nullptr) c::RefuseNull("callback");
     auto made = call == nullptr ? nullptr : std::make_unique<hgros_pending_call>();

@@ -110,7 +110,10 @@ void hgros_session_close(hgros_session* session) {
   if (session == nullptr) return;
   (void)c::Guarded([&] {
     const std::unique_ptr<hgros_session> owned(session);
-    owned->life->End(c::InCallback::Of(owned->life.get()));
+    const bool inside = c::InCallback::Of(owned->life.get());
+    const c::InClose closes;
+    owned->life->End(inside);
+    if (inside) hgros::SessionParts(*owned->session).LeaveInside();
   });
 }
 

@@ -19,6 +19,7 @@ thread_local LastError last_error;
 }  // namespace
 
 thread_local const InCallback* InCallback::innermost = nullptr;
+thread_local int InClose::depth = 0;
 
 hgros_status Fail(hgros_status status, std::initializer_list<std::string_view> parts) noexcept {
   try {

@@ -165,21 +165,22 @@ namespace c = hgros::c;
 hgros_status hgros_subscribe(hgros_session* session, const char* channel, const hgros_subscribe_options* options,
                              hgros_message_callback callback, void* user, hgros_release release,
                              hgros_subscription** subscription) {
-  return c::CreatingFor(user, release, subscription, [&](const std::shared_ptr<const c::User>& kept) {
-    hgros_session& on = c::Opened(session);
-    const std::string_view name = c::Text(channel, "channel");
-    if (callback == nullptr) c::RefuseNull("callback");
-    const hgros_subscribe_options chosen = c::OptionsFrom(options);
-    auto made = std::make_unique<hgros_subscription>();
-    made->life = on.life;
-    c::Wire(*made, *on.session, name, chosen, c::ExecutorOf(chosen.executor),
-            [callback, kept, life = on.life](c::RawPtr raw, const hgros::MessageInfo& info) {
-              const c::InCallback inside(life.get());
-              const hgros_message message(std::move(raw), info);
-              callback(kept->get(), &message);
-            });
-    return made;
-  });
+  return c::CreatingFor(c::CallbackOf{c::LifeOf(session), {}}, user, release, subscription,
+                        [&](const std::shared_ptr<const c::User>& kept) {
+                          hgros_session& on = c::Opened(session);
+                          const std::string_view name = c::Text(channel, "channel");
+                          if (callback == nullptr) c::RefuseNull("callback");
+                          const hgros_subscribe_options chosen = c::OptionsFrom(options);
+                          auto made = std::make_unique<hgros_subscription>();
+                          made->life = on.life;
+                          c::Wire(*made, *on.session, name, chosen, c::ExecutorOf(chosen.executor),
+                                  [callback, kept, life = on.life](c::RawPtr raw, const hgros::MessageInfo& info) {
+                                    const c::InCallback inside(life.get());
+                                    const hgros_message message(std::move(raw), info);
+                                    callback(kept->get(), &message);
+                                  });
+                          return made;
+                        });
 }
 
 hgros_status hgros_subscribe_queue(hgros_session* session, const char* channel, const hgros_subscribe_options* options,
@@ -228,11 +229,13 @@ hgros_status hgros_subscription_get_stats(const hgros_subscription* subscription
 
 void hgros_subscription_end(hgros_subscription* subscription) {
   if (subscription == nullptr) return;
+  const c::InClose closes;
   subscription->ended.store(true, std::memory_order_release);
   (void)c::Guarded([&] { subscription->subscription.Reset(); });
 }
 
 void hgros_subscription_close(hgros_subscription* subscription) {
+  const c::InClose closes;
   hgros_subscription_end(subscription);
   delete subscription;
 }

@@ -85,6 +85,10 @@ void CallTable::Close() {
     const std::scoped_lock lock(mutex_);
     thread = std::move(thread_);
   }
+  if (thread.get_id() == std::this_thread::get_id()) {  // The captures of a callback end the session.
+    thread.request_stop();
+    thread.detach();
+  }
 }
 
 bool CallTable::closed() const {

@@ -8,10 +8,10 @@
 #include "hgros/clock/time.hpp"
 #include "hgros/graph/delivered_credit.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
+#include "hgros/services/handled_request.hpp"
 #include "services/waiting_callers.hpp"
 
 namespace hgros {
-
 namespace {
 
 // How many requests of one caller may be on their way.
@@ -220,6 +220,7 @@ void ServiceHost::Handle(const Waiting& waiting) {
   std::string text = "The handler gave no reply.";
   try {
     const Running here(*this);
+    const HandledRequest handled(waiting.due);
     const AnyMessage body = ConvertMessage(request.body, *request.type, *setting_.request_body);
     if (!body) {
       return Answer(request, Outcome::kNotWritable,
@@ -227,6 +228,13 @@ void ServiceHost::Handle(const Waiting& waiting) {
     }
     reply = setting_.handler(body);
     if (reply) outcome = Outcome::kOk;
+  } catch (const NotHandled&) {
+    if (!ended() && waiting.due && *waiting.due <= std::chrono::steady_clock::now()) {
+      ++unhandled_;
+      return;
+    }
+    outcome = Outcome::kEnded;
+    text = "Service \"" + setting_.name + "\" has ended.";
   } catch (const std::exception& error) {
     text = error.what();
   } catch (const ForcedUnwind&) {

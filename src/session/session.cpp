@@ -37,6 +37,7 @@ void SessionParts::EndWaits() noexcept {
   core.ends_waits_ = true;
   core.changes_.Notify();
 }
+void SessionParts::LeaveInside() noexcept { (void)session_.core_->MayBeDestroyed("program"); }
 Time Session::SettleTimers() { return core_->timers().Settle(); }
 NodeTimer Session::CreateTimer(std::string_view name, Duration period, TimerCallback callback,
                                NodeTimerOptions options) {

@@ -88,8 +88,8 @@ class SessionCore final : public TransportListener, private ServicePlace {
   [[nodiscard]] SessionTimers& timers() noexcept { return *timers_; }
   [[nodiscard]] const std::shared_ptr<Clock>& clock() const noexcept { return clock_; }
   // For the end of the session. False: nothing of it may be waited for or destroyed. This is a forked child; or one of
-  // its callbacks runs on this thread, so the session takes leave of its peers and logs that; or it did so at exit().
-  [[nodiscard]] bool MayBeDestroyed() noexcept;
+  // its callbacks runs here (`callback`: surely), so it takes leave of its peers and logs that; or it did so at exit().
+  [[nodiscard]] bool MayBeDestroyed(std::string callback = {}) noexcept;
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] Log& log() const noexcept { return *log_; }

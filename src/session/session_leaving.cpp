@@ -7,9 +7,9 @@
 
 namespace hgros {
 
-bool SessionCore::MayBeDestroyed() noexcept {
+bool SessionCore::MayBeDestroyed(std::string callback) noexcept {
   if (fork_.IsChild() || GraphEnding(*graph_).ended()) return false;
-  const std::string callback = GraphEnding(*graph_).CallbackHere();
+  if (std::string here = GraphEnding(*graph_).CallbackHere(); !here.empty()) callback = std::move(here);
   if (callback.empty()) return true;
   log_->Write(LogLevel::kError, "Session \"" + name_ + "\" was destroyed inside the callback of its " + callback +
                                     ". It leaves its peers, but its threads and memory stay until the process ends. "

@@ -58,6 +58,13 @@ class Transforms::Core {
     });
   }
 
+  // Also inside a callback of the session: those that run on other threads use this object.
+  ~Core() {
+    for (Subscription& one : subscriptions_) (void)one.Join();
+  }
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+
   TransformTree& tree() noexcept { return tree_; }
   tf::TransformSender& sender() noexcept { return sender_; }
 

@@ -117,7 +117,55 @@ TEST_F(CServiceQueue, EndWakesItsThreadsAndFailsWhatWaits) {
   caller.join();
   EXPECT_TRUE(IsReadable(service));
   EXPECT_EQ(hgros_reply_set(taken.reply.get(), "late", 4), HGROS_CLOSED);
-  EXPECT_NE(replies.all().at(0).find("The service has ended."), std::string::npos) << replies.all()[0];
+  EXPECT_NE(replies.all().at(0).find("server gone"), std::string::npos) << replies.all()[0];
+}
+
+TEST_F(CServiceQueue, EndedServiceIsNoLongerFound) {
+  const auto service = Serve();
+  const auto other = test::Open(yaml, others_log, "other");
+  std::thread first = Caller(other, "1");
+  EXPECT_EQ(hgros_reply_set(Take(service).reply.get(), "one", 3), HGROS_OK);
+  first.join();
+  hgros_service_end(service.get());
+  hgros_service_end(service.get());
+  EXPECT_TRUE(Await([&] {
+    hgros_message* reply = nullptr;
+    return hgros_call(other.get(), "ask", text.get(), "2", 1, text.get(), kLong, &reply) == HGROS_NO_SERVER;
+  })) << LastError();
+  const auto again = Serve();
+  std::thread third = Caller(session, "3");
+  EXPECT_EQ(hgros_reply_set(Take(again).reply.get(), "three", 5), HGROS_OK);
+  third.join();
+  EXPECT_EQ(replies.all(), (std::vector<std::string>{"one", "three"}));
+}
+
+TEST_F(CServiceQueue, RequestWhoseCallerGaveUpIsSkippedAndCounted) {
+  const auto service = Serve();
+  hgros_message* reply = nullptr;
+  EXPECT_EQ(hgros_call(session.get(), "ask", text.get(), "late", 4, text.get(), 50'000'000, &reply), HGROS_TIMED_OUT);
+  EXPECT_TRUE(Await([&] { return !IsReadable(service); }));
+  EXPECT_EQ(Take(service, 0).status, HGROS_TIMED_OUT);
+  std::thread caller = Caller(session, "next");
+  const Taken taken = Take(service);
+  EXPECT_EQ(test::TextOf(taken.request.get()), "next");
+  EXPECT_EQ(hgros_reply_set(taken.reply.get(), "done", 4), HGROS_OK);
+  caller.join();
+  hgros_message* snapshot = nullptr;
+  ASSERT_EQ(hgros_session_snapshot(session.get(), &snapshot), HGROS_OK);
+  const test::MessageHandle owned(snapshot);
+  // hgros.Snapshot: the service's name, then field 2, unhandled_requests: 1.
+  EXPECT_NE(test::TextOf(snapshot).find(std::string("\x0a\x03"
+                                                    "ask"
+                                                    "\x10\x01")),
+            std::string::npos);
+}
+
+TEST_F(CServiceQueue, ThreadOfItsOwnCannotBeConfiguredAway) {
+  const auto configured = test::Open("data_graph: {threads: 2, nodes: {ask: {executor: inline}}}", others_log, "other");
+  hgros_service* service = nullptr;
+  EXPECT_EQ(hgros_serve_queue(configured.get(), "ask", text.get(), text.get(), nullptr, &service), HGROS_ERROR);
+  EXPECT_EQ(service, nullptr);
+  EXPECT_NE(LastError().find("executor"), std::string::npos) << LastError();
 }
 
 TEST_F(CServiceQueue, EndsWithItsSession) {

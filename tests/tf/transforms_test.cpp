@@ -439,6 +439,37 @@ TEST_F(TransformsOfTwo, DestructorEndsWhileTheClockJumps) {
   }
 }
 
+// Callbacks of one session on two threads.
+TEST_F(TransformsOfTwo, DestructorInACallbackWaitsForTransformsThatAreBeingReceived) {
+  Session session(Config::Parse("data_graph: {threads: 4}"), {.name = "robot"});
+  std::atomic<bool> receives{false};
+  std::atomic<bool> go_on{false};
+  std::atomic<bool> destroying{false};
+  std::atomic<bool> received{false};
+  bool waited = false;
+  std::atomic<bool> destroyed{false};
+  auto transforms = std::make_unique<Transforms>(session, TransformsOptions{.on_received = [&] {
+                                                   receives = true;
+                                                   EXPECT_TRUE(Await([&] { return go_on.load(); }));
+                                                   received = true;
+                                                 }});
+  (void)transforms->tree();
+  const auto subscription = session.FromGraph<int>("end", Invoke::kSerial, [&](const int&) {
+    destroying = true;
+    transforms.reset();
+    waited = received;
+    destroyed = true;
+  });
+  session.ToAny(kTransformsChannel, Message("map", "base"));
+  ASSERT_TRUE(Await([&] { return receives.load(); }));
+  session.ToGraph("end", std::make_unique<int>(1));
+  ASSERT_TRUE(Await([&] { return destroying.load(); }));
+  (void)Await([&] { return destroyed.load(); }, 50ms);  // Time for the fault.
+  go_on = true;
+  ASSERT_TRUE(Await([&] { return destroyed.load(); }));
+  EXPECT_TRUE(waited);
+}
+
 TEST(DefaultTransforms, BelongToTheDefaultSession) {
   for (int life = 0; life < 2; ++life) {
     Init();

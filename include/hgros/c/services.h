@@ -40,8 +40,9 @@ hgros_status hgros_serve(hgros_session* session, const char* name, const hgros_s
 void hgros_service_close(hgros_service* service);
 
 /// The same without a handler, for programs that cannot be called by threads of the library: requests wait until they
-/// are taken. They are handed out one at a time: the next one once the reply to the last one is set. `concurrent` and
-/// `executor` must be 0.
+/// are taken. They are handed out one at a time: the next one once the reply to the last one is set. A request whose
+/// caller's timeout is over is not handed out; the session's snapshot counts it (unhandled_requests). `concurrent` and
+/// `executor` must be 0. Errors: also HGROS_ERROR if the configuration gives the service's node another executor.
 hgros_status hgros_serve_queue(hgros_session* session, const char* name, const hgros_schema* request,
                                const hgros_schema* reply, const hgros_serve_options* options, hgros_service** service);
 /// Takes the oldest request, which the caller frees as any message, and the place for its reply: any thread calls
@@ -56,8 +57,8 @@ int32_t hgros_service_descriptor(const hgros_service* service);
 /// Frees a place that hgros_service_take() has given. The caller of a request without a reply gets
 /// HGROS_HANDLER_FAILED.
 void hgros_reply_free(hgros_reply* reply);
-/// Ends a service without a handler and wakes threads that wait in hgros_service_take(): requests that wait fail, also
-/// one that was taken and has no reply. The handle stays. May be called while other threads use it.
+/// Ends a service without a handler and wakes threads that wait in hgros_service_take(): requests that wait fail with
+/// HGROS_SERVER_GONE, also one that was taken and has no reply, and callers no longer find it. The handle stays. May be called while other threads use it.
 void hgros_service_end(hgros_service* service);
 
 /// Calls the service `name` with a copy of the bytes and waits for the reply, which the caller frees. `reply_schema`:

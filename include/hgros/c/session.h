@@ -56,7 +56,8 @@ const char* hgros_session_name(const hgros_session* session);
 uint64_t hgros_session_id(const hgros_session* session);
 
 /// Waits until no message is queued and no callback runs, provided that no message comes meanwhile. Messages in queues
-/// without a callback do not count. Errors: HGROS_TIMED_OUT; HGROS_WOULD_DEADLOCK inside a callback.
+/// without a callback do not count. A request of hgros_serve_queue() counts until it has its reply. Errors:
+/// HGROS_TIMED_OUT; HGROS_WOULD_DEADLOCK inside a callback.
 hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeout_ns);
 
 /// Writes a line into the session's log. Control characters are the caller's concern.

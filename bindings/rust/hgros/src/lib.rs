@@ -6,7 +6,9 @@
 //! one of zero does not wait.
 //!
 //! Everything may be used by any thread. Handles end what they stand for when they are dropped, in any order, also
-//! inside callbacks. [`Session::end`] wakes all threads that wait.
+//! inside callbacks. [`Session::end`] wakes all threads that wait. Inside a callback of its session, [`Transforms`] and
+//! [`Params`] end later, with the session, and a [`Session`] says goodbye but stays until the process ends. The same
+//! holds for what a callback has captured if it is dropped on the thread that has run the callback.
 //!
 //! A panic in a callback does not leave it: the log has a line about it, and [`Session::callback_failures`] counts it.
 //! The caller of a service gets it as an error.

@@ -28,6 +28,9 @@ class SessionParts {
   // Ends calls and services, and wakes all threads that wait for publishers, subscribers or schemas; later waits return
   // at once. Before the session is destroyed.
   HGROS_EXPORT void EndWaits() noexcept;
+  // The session is about to be destroyed on a thread that it may have to wait for: it leaves its peers now, and its
+  // threads and memory stay until the process ends.
+  HGROS_EXPORT void LeaveInside() noexcept;
 
   // Whether this session is announced as a publisher of the channel.
   [[nodiscard]] bool IsPublished(std::string_view channel) const;

@@ -1,0 +1,151 @@
+package hgros_test
+
+import (
+	"context"
+	"errors"
+	"strings"
+	"testing"
+	"time"
+
+	"hgros"
+)
+
+func TestLoanIsFilledInPlaceAndPublishedOnce(t *testing.T) {
+	session := open(t, nil)
+	schema, err := hgros.RawSchema("my.bytes", hgros.Custom, 0)
+	require(t, err)
+	queue, err := session.SubscribeRaw("bytes", &hgros.SubscribeOptions{KeepAll: 1})
+	require(t, err)
+	publisher, err := session.AdvertiseRaw("bytes", schema, nil)
+	require(t, err)
+	lend := func(text string) *hgros.Loan {
+		loan, err := publisher.Loan(len(text))
+		require(t, err)
+		if copy(loan.Data(), text) != len(text) {
+			t.Fatal("the loan is too small for", text)
+		}
+		return loan
+	}
+	first, second := lend("first"), lend("second")
+	require(t, first.Publish())
+	if err := first.Publish(); !errors.Is(err, hgros.Closed) || first.Data() != nil {
+		t.Fatal("publishing a loan again gave", err)
+	}
+	if err := second.Publish(); !errors.Is(err, hgros.Full) || string(second.Data()) != "second" {
+		t.Fatal("a loan for which there is no room gave", err)
+	}
+	short, cancel := context.WithTimeout(context.Background(), 20*time.Millisecond)
+	defer cancel()
+	if err := second.PublishWait(short); !errors.Is(err, context.DeadlineExceeded) {
+		t.Fatal("waiting for room gave", err)
+	}
+	for _, wanted := range []string{"first", "second"} {
+		message, err := queue.Take(deadline(t))
+		require(t, err)
+		if string(message.Data()) != wanted {
+			t.Fatalf("%q instead of %q", message.Data(), wanted)
+		}
+		message.Close()
+		if wanted == "first" {
+			require(t, second.PublishWait(deadline(t)))
+		}
+	}
+	lend("unused").Close()
+	empty, err := publisher.Loan(0)
+	require(t, err)
+	require(t, empty.Publish())
+	if _, err := publisher.Loan(-1); !errors.Is(err, hgros.InvalidArgument) {
+		t.Fatal("a loan below zero gave", err)
+	}
+}
+
+func TestTimerFollowsTheClockUntilItIsClosedInItsOwnCallback(t *testing.T) {
+	session := open(t, nil)
+	begun := session.Now()
+	if ago := time.Since(begun); ago < 0 || ago > patience {
+		t.Fatal("the session's clock is off by", ago)
+	}
+	ticks := make(chan hgros.Tick, 10)
+	made := make(chan *hgros.Timer, 1)
+	timer, err := session.NewTimer("metronome", 10*time.Millisecond, func(tick hgros.Tick) {
+		ticks <- tick
+		if len(ticks) == 3 {
+			(<-made).Close()
+		}
+	}, &hgros.TimerOptions{First: time.Millisecond, CatchUp: true})
+	require(t, err)
+	made <- timer
+	waitUntil(t, "three turns", func() bool { return len(ticks) == 3 })
+	first, second := <-ticks, <-ticks
+	if second.Planned.Sub(first.Planned) != 10*time.Millisecond || first.Now.Before(first.Planned) {
+		t.Fatalf("%+v, then %+v", first, second)
+	}
+	if _, err := session.NewTimer("bad", 0, func(hgros.Tick) {}, nil); !errors.Is(err, hgros.Failed) {
+		t.Fatal("a period of 0 gave", err)
+	}
+	due := session.Now().Add(5 * time.Millisecond)
+	require(t, session.SleepUntil(due))
+	if session.Now().Before(due) {
+		t.Fatal("it woke too early")
+	}
+	results := make(chan error, 1)
+	go func() { results <- session.SleepUntil(session.Now().Add(time.Hour)) }()
+	session.End()
+	expect(t, results, hgros.Closed)
+}
+
+func TestCloseInsideACallbackEndsTheSession(t *testing.T) {
+	lines := make(chan string, 1000)
+	here, there := open(t, &hgros.SessionOptions{Log: func(_ hgros.Level, line string) { lines <- line }}), open(t, nil)
+	_, err := hgros.Subscribe[text](here, "words", nil)
+	require(t, err)
+	_, err = hgros.Advertise[text](there, "words", nil)
+	require(t, err)
+	require(t, there.WaitForSubscribers(deadline(t), "words", 1))
+	closed := make(chan struct{}, 1000)
+	_, err = here.NewTimer("closer", time.Millisecond, func(hgros.Tick) {
+		here.Close()
+		closed <- struct{}{}
+	}, nil)
+	require(t, err)
+	<-closed
+	waitUntil(t, "the other session is told", func() bool {
+		peers, err := there.Peers()
+		return err == nil && len(peers) == 0
+	})
+	here.Close() // Waits for the other one.
+	for len(lines) > 0 {
+		if line := <-lines; strings.Contains(line, "destroyed inside") {
+			t.Fatal(line)
+		}
+	}
+}
+
+func TestSnapshotAndUsersOfAChannelAreSeen(t *testing.T) {
+	session := open(t, &hgros.SessionOptions{Name: "watched"})
+	_, err := hgros.Subscribe[text](session, "words", &hgros.SubscribeOptions{KeepAll: 1})
+	require(t, err)
+	channels, err := session.Channels()
+	require(t, err)
+	found := false
+	for _, channel := range channels {
+		if channel.Name == "words" && len(channel.SubscribedBy) == 1 && len(channel.PublishedBy) == 0 {
+			user := channel.SubscribedBy[0]
+			found = user.Session == session.ID() && user.Lossless && user.TypeName == "google.protobuf.StringValue"
+		}
+	}
+	if !found {
+		t.Fatalf("the subscriber is not in %+v", channels)
+	}
+	snapshot, err := session.Snapshot()
+	require(t, err)
+	defer snapshot.Close()
+	decoded, err := snapshot.Decode()
+	require(t, err)
+	if name := decoded.ProtoReflect().Descriptor().FullName(); name != "hgros.Snapshot" {
+		t.Fatal("the snapshot is a", name)
+	}
+	if !strings.Contains(string(snapshot.Data()), "words") {
+		t.Fatal("the snapshot does not have the channel")
+	}
+}
