@@ -182,7 +182,11 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
     }
   }
   AnyCallback guarded;
-  if (description_.state.empty()) {
+  if (!guard_->counts()) {  // The usual case, with the least code in the way of a message.
+    guarded = [guard = guard_, callback = std::move(callback)](const AnyMessage& message, const MessageInfo& info) {
+      guard->Note([&] { callback(message, info); });
+    };
+  } else if (description_.state.empty()) {
     guarded = [guard = guard_, callback = std::move(callback)](const AnyMessage& message, const MessageInfo& info) {
       guard->Run([&] { callback(message, info); });
     };
