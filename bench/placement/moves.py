@@ -1,5 +1,5 @@
 """How long no message is handled while a component with 1 MB of state moves: to another process, and to another host over
-ssh, on a line of 1 Gbit/s. Beside them: how long none comes without a move.
+ssh, on a line of 1 Gbit/s; and while it is constructed again in its place. Beside them: how long none comes without.
 
     moves.py HGROS COMPONENTS [--quick]
 """
@@ -55,24 +55,26 @@ class Robot:
                 return float(text.split()[1])
         raise SystemExit("hgros run has ended.")
 
-    def move(self, place):
-        """Returns the longest gap around the move, in ms."""
+    def gap_around(self, *command):
+        """Returns the longest gap around a command of hgros, in ms."""
         self.gap()
-        subprocess.run([self.hgros, "move", "carrier", "--to", place], check=True, env=self.environment)
+        subprocess.run([self.hgros, *command], check=True, env=self.environment)
         return max(self.gap() for _ in range(3))
 
+    def move(self, place):
+        return self.gap_around("move", "carrier", "--to", place)
 
-def report(name, gaps, quiet):
+
+def report(name, gaps):
     print(f"{name}_ms,{statistics.median(gaps):.6g},ms")
-    print(f"{name}_worst_ms,{max(gaps):.6g},ms")
-    print(f"{name}_no_move_ms,{statistics.median(quiet):.6g},ms", flush=True)
+    print(f"{name}_worst_ms,{max(gaps):.6g},ms", flush=True)
 
 
 def measure(name, robot, places, count):
-    with robot:
-        robot.move(places[0])
-        gaps = [robot.move(places[(1 + i) % 2]) for i in range(count)]
-        report(name, gaps, [max(robot.gap() for _ in range(3)) for _ in range(3)])
+    robot.move(places[0])
+    report(name, [robot.move(places[(1 + i) % 2]) for i in range(count)])
+    quiet = statistics.median(max(robot.gap() for _ in range(3)) for _ in range(3))
+    print(f"{name}_no_move_ms,{quiet:.6g},ms", flush=True)
 
 
 def start_sshd(folder, hosts, environment):
@@ -105,7 +107,8 @@ def measure_hosts(folder, environment, count):
         daemon = start_sshd(folder, hosts, environment)
         try:
             far = {**environment, "PATH": f"{folder}:{environment['PATH']}"}
-            measure("move_hosts", Robot(sys.argv[1], folder, FAR, far), ("two", "one"), count)
+            with Robot(sys.argv[1], folder, FAR, far) as robot:
+                measure("move_hosts", robot, ("two", "one"), count)
         finally:
             daemons.end(daemon)
 
@@ -116,7 +119,9 @@ def main():
     environment = {**os.environ, "HGROS_COMPONENT_PATH": sys.argv[2], "HGROS_DOMAIN": f"bench-moves-{os.getpid()}"}
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        measure("move_local", Robot(sys.argv[1], folder, LOCAL, environment), ("two", "one"), count)
+        with Robot(sys.argv[1], folder, LOCAL, environment) as robot:
+            measure("move_local", robot, ("two", "one"), count)
+            report("restart_component", [robot.gap_around("restart", "carrier") for _ in range(count)])
         try:
             measure_hosts(folder, environment, count)
         except NoHosts as why:

@@ -86,7 +86,8 @@ namespace c = hgros::c;
 hgros_status hgros_session_open(const char* yaml, const hgros_session_options* options, hgros_session** session) {
   return c::Creating(session, [&] {
     c::Opening opening(options);
-    return c::Open(std::move(opening), hgros::Config::Parse(c::TextOrNone(yaml)));
+    const std::string_view text = c::TextOrNone(yaml);
+    return c::Open(std::move(opening), text.empty() ? hgros::Config::OfEnvironment() : hgros::Config::Parse(text));
   });
 }
 
@@ -96,7 +97,7 @@ hgros_status hgros_session_open_files(const char* const* files, size_t count, co
     c::Opening opening(options);
     std::vector<std::filesystem::path> paths;
     for (std::size_t i = 0; i < count; ++i) paths.emplace_back(c::Text(*(&c::Given(files, "files") + i), "a file"));
-    return c::Open(std::move(opening), hgros::Config::Load(paths));
+    return c::Open(std::move(opening), paths.empty() ? hgros::Config::OfEnvironment() : hgros::Config::Load(paths));
   });
 }
 

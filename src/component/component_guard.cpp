@@ -12,7 +12,7 @@ std::string Milliseconds(std::chrono::nanoseconds time) {
 
 }  // namespace
 
-void ComponentGuard::Note(const char* what) noexcept {
+void ComponentGuard::NoteException(const char* what) noexcept {
   try {
     listener_(what);
   } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, the graph still counts it.

@@ -28,14 +28,21 @@ class ComponentGuard {
 
   template <class Call>
   decltype(auto) Run(Call&& call) {
-    Pass pass(saves_ || deadline_.count() > 0 ? this : nullptr);
+    Pass pass(counts() ? this : nullptr);
+    return Note(call);
+  }
+  // Whether it counts callbacks. If not, Note() does all that Run() does.
+  [[nodiscard]] bool counts() const noexcept { return saves_ || deadline_.count() > 0; }
+  // Only hears of exceptions.
+  template <class Call>
+  decltype(auto) Note(Call&& call) {
     try {
       return call();
     } catch (const std::exception& error) {
-      Note(error.what());
+      NoteException(error.what());
       throw;
     } catch (...) {
-      Note("an exception that is no std::exception");
+      NoteException("an exception that is no std::exception");
       throw;
     }
   }
@@ -66,7 +73,7 @@ class ComponentGuard {
   };
   void Enter(Pass& pass);
   void Leave(const Pass& pass) noexcept;
-  void Note(const char* what) noexcept;
+  void NoteException(const char* what) noexcept;
   void NoteLate(std::chrono::nanoseconds time, bool returned) noexcept;
   void NoteSaving() noexcept;
 

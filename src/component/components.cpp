@@ -75,6 +75,35 @@ void Components::Core::End(std::string_view name) {
   std::erase_if(all_, [&](const auto& one) { return one->core.setup().name == name; });
 }
 
+void Components::Core::ConstructAgain(ComponentSetup setup, std::chrono::nanoseconds patience,
+                                      const Components::OnSaved& saved) {
+  OneComponent& one = Get(setup.name);
+  if (one.type.state == nullptr) {
+    throw Error(Named(setup) + "its class cannot be saved.", {}, "Give it Save() and Restore().");
+  }
+  setup.state = one.Save(patience, [&] {
+    for (const auto& gate : one.core.gates()) gate->Hold([] {}, InputGate::Full::kBlocks);
+    one.core.SetPlace(ContextCore::Place::kHeld);
+  });
+  if (saved) saved(setup.state);
+  std::vector<Error> faults;
+  try {
+    faults = one.ConstructAgain(setup);
+    if (faults.empty()) one.Restore(*setup.state);
+  } catch (...) {
+    faults.push_back(CurrentError(setup));
+  }
+  if (!faults.empty()) {
+    End(setup.name);
+    throw ComponentError(std::move(faults));
+  }
+  Join(one);
+  one.Start();
+  one.core.EndUnused();
+  one.core.SetPlace(ContextCore::Place::kHere);
+  one.HandleWaiting();
+}
+
 OneComponent* Components::Core::Find(std::string_view name) {
   const auto found = std::ranges::find_if(all_, [&](const auto& one) { return one->core.setup().name == name; });
   return found == all_.end() ? nullptr : found->get();
@@ -106,6 +135,9 @@ void Components::Join() { core_->Join(); }
 void Components::Start() { core_->Start(); }
 std::shared_ptr<const RawMessage> Components::Save(std::string_view name, std::chrono::nanoseconds patience) {
   return core_->Get(name).Save(patience);
+}
+void Components::ConstructAgain(const ComponentSetup& setup, std::chrono::nanoseconds patience, const OnSaved& saved) {
+  core_->ConstructAgain(setup, patience, saved);
 }
 void Components::NoteHanging(std::string_view name) { core_->Get(name).core.guard()->NoteHanging(); }
 void Components::End(std::string_view name) { core_->End(name); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,6 +27,7 @@ class Components::Core {
   void Join(OneComponent& one);
   void Start();
   void End(std::string_view name);
+  void ConstructAgain(ComponentSetup setup, std::chrono::nanoseconds patience, const Components::OnSaved& saved);
 
   [[nodiscard]] OneComponent* Find(std::string_view name);
   // Throws Error if there is none.

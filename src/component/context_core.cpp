@@ -35,13 +35,6 @@ void AddLeaves(const ParamView& view, std::vector<std::string>& paths) {
   for (const std::string& key : view.keys()) AddLeaves(view[key], paths);
 }
 
-// A component's parameters may have any name, also that of a section of the session.
-ParamSources SourcesOf(const ComponentSetup& setup) {
-  ParamSources sources = setup.params;
-  if (!sources.section) sources.section = std::make_shared<const ParamNode>(ParamNode::Map({}));
-  return sources;
-}
-
 bool IsAtOrBelow(std::string_view path, std::string_view above) {
   return path.starts_with(above) &&
          (path.size() == above.size() || path[above.size()] == '.' || path[above.size()] == '[');
@@ -49,10 +42,17 @@ bool IsAtOrBelow(std::string_view path, std::string_view above) {
 
 }  // namespace
 
+// A component's parameters may have any name, also that of a section of the session.
+ParamSources ContextCore::SourcesOf(const ComponentSetup& setup) {
+  ParamSources sources = setup.params;
+  if (!sources.section) sources.section = std::make_shared<const ParamNode>(ParamNode::Map({}));
+  return sources;
+}
+
 ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup setup)
     : means_(std::move(means)),
       setup_(std::move(setup)),
-      params_(SourcesOf(setup_), Sink()),
+      params_(std::in_place, SourcesOf(setup_), Sink()),
       log_(Sink()),
       guard_(std::make_shared<ComponentGuard>(
           type.state != nullptr, setup_.deadline, [this](const std::string& what) { NoteException(what); },
@@ -182,22 +182,28 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
     }
   }
   AnyCallback guarded;
-  if (description_.state.empty()) {
+  if (!guard_->counts()) {  // The usual case, with the least code in the way of a message.
+    guarded = [guard = guard_, callback = std::move(callback)](const AnyMessage& message, const MessageInfo& info) {
+      guard->Note([&] { callback(message, info); });
+    };
+  } else if (description_.state.empty()) {
     guarded = [guard = guard_, callback = std::move(callback)](const AnyMessage& message, const MessageInfo& info) {
       guard->Run([&] { callback(message, info); });
     };
   } else {
-    auto gate = std::make_shared<InputGate>(options.name, input.type, std::move(callback), guard_);
-    guarded = [gate](const AnyMessage& message, const MessageInfo& info) { gate->Take(message, info); };
-    const std::scoped_lock lock(mutex_);
-    gates_.push_back(std::move(gate));
+    const auto asked = gates_.Ask({options.name, here, &input.type, input.invoke, options.queue, options.executor},
+                                  std::move(callback), guard_);
+    if (asked.ends) EndInput(*asked.ends);
+    if (!asked.fresh) return;
+    guarded = [gate = asked.fresh](const AnyMessage& message, const MessageInfo& info) { gate->Take(message, info); };
   }
-  Add(inputs_,
-      [this, here, &type = input.type, invoke = input.invoke, where = input.where, callback = std::move(guarded),
-       options = std::move(options)]() -> Kept {
-        return std::make_shared<Subscription>(
-            SessionParts(session()).Subscribe(here, type, invoke, callback, options, where));
-      });
+  const std::string node = options.name;
+  Add(inputs_, {node,
+                [this, here, &type = input.type, invoke = input.invoke, where = input.where,
+                 callback = std::move(guarded), options = std::move(options)]() -> Kept {
+                  return std::make_shared<Subscription>(
+                      SessionParts(session()).Subscribe(here, type, invoke, callback, options, where));
+                }});
 }
 
 void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler, NodeOptions options) {
@@ -226,11 +232,13 @@ void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler
     }
   };
   const SessionParts::ServiceTypes types{served.request, served.reply, served.request_body, served.reply_body};
+  const std::string node = options.name;
   Add(services_,
-      [this, here, types, invoke = served.invoke, where = served.where, guarded = std::move(guarded),
-       options = std::move(options)]() -> Kept {
-        return std::make_shared<Service>(SessionParts(session()).Serve(here, types, guarded, invoke, options, where));
-      });
+      {node,
+       [this, here, types, invoke = served.invoke, where = served.where, guarded = std::move(guarded),
+        options = std::move(options)]() -> Kept {
+         return std::make_shared<Service>(SessionParts(session()).Serve(here, types, guarded, invoke, options, where));
+       }});
 }
 
 void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallback callback, NodeTimerOptions options) {
@@ -242,14 +250,14 @@ void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallbac
     const std::scoped_lock lock(mutex_);
     if (!constructed_) description_.timers.push_back({std::string(timer), period});
   }
-  Add(timers_, [this, name, period, options, callback = std::move(callback)]() -> Kept {
-    const auto guarded = [this, callback](const Tick& tick) {
-      guard_->Run([&] {
-        if (place_ == Place::kHere) callback(tick);
-      });
-    };
-    return std::make_shared<NodeTimer>(session().CreateTimer(name, period, guarded, options));
-  });
+  Add(timers_, {name, [this, name, period, options, callback = std::move(callback)]() -> Kept {
+                  const auto guarded = [this, callback](const Tick& tick) {
+                    guard_->Run([&] {
+                      if (place_ == Place::kHere) callback(tick);
+                    });
+                  };
+                  return std::make_shared<NodeTimer>(session().CreateTimer(name, period, guarded, options));
+                }});
 }
 
 // Outside the lock: an inline subscription may run its callback at once, for latched messages. What is made while the
@@ -266,12 +274,12 @@ void ContextCore::Add(Stage& stage, Wire wire) {
   }
   const auto end = [&](Kept kept) {
     const std::scoped_lock lock(mutex_);
-    if (kept) stage.kept.push_back(std::move(kept));
+    if (kept) stage.kept.emplace_back(wire.node, std::move(kept));
     --stage.in_progress;
     wired_.notify_all();
   };
   try {
-    end(wire());
+    end(wire.make());
   } catch (...) {
     end(nullptr);
     throw;
@@ -294,7 +302,7 @@ void ContextCore::Begin(Stage& stage) {
 }
 
 void ContextCore::End(Stage& stage) {
-  std::vector<Kept> kept;  // Ends outside the lock, the last one first: it waits for callbacks.
+  decltype(stage.kept) kept;  // Ends outside the lock, the last one first: it waits for callbacks.
   {
     std::unique_lock lock(mutex_);
     stage.ended = true;
@@ -329,27 +337,6 @@ void ContextCore::EndInputs() {
 
 void ContextCore::EndServices() { End(services_); }
 
-// --- moves ---
-
-std::vector<std::shared_ptr<InputGate>> ContextCore::gates() const {
-  const std::scoped_lock lock(mutex_);
-  return gates_;
-}
-
-void ContextCore::SetPlace(Place place) {
-  const std::scoped_lock lock(mutex_);
-  place_ = place;
-  placed_.notify_all();
-}
-
-void ContextCore::AwaitHere() {
-  std::unique_lock lock(mutex_);
-  placed_.wait(lock, [this] { return place_ != Place::kHeld; });
-  if (place_ == Place::kElsewhere) {
-    throw Error("The component " + Quoted(setup_.name) + " has moved to another process, or ends.", {}, "Call again.");
-  }
-}
-
 bool ContextCore::NoteFault(std::string_view param, const ParamError& fault) {
   const std::scoped_lock lock(mutex_);
   if (!constructed_) faulty_params_.emplace(param, fault);
@@ -364,7 +351,7 @@ std::vector<Error> ContextCore::EndConstruction(bool returned) {
   {
     const std::scoped_lock lock(mutex_);
     constructed_ = true;
-    description_.params = params_.Declarations();
+    description_.params = params_->Declarations();
     names = names_;
     nodes = nodes_;
     for (const auto& [param, fault] : faulty_params_) {
@@ -387,10 +374,10 @@ std::vector<Error> ContextCore::EndConstruction(bool returned) {
   }
   for (const ParamDeclaration& one : description_.params) declared.insert(one.path);
   std::vector<std::string> set;
-  AddLeaves(params_.Snapshot(), set);
+  AddLeaves(params_->Snapshot(), set);
   for (const std::string& path : set) {
     if (std::ranges::any_of(declared, [&](const std::string& one) { return IsAtOrBelow(path, one); })) continue;
-    const ParamView view = params_.Snapshot().At(path);
+    const ParamView view = params_->Snapshot().At(path);
     faults.emplace_back(setup_.type + " has no parameter " + Quoted(path) + ".", view.node()->origin.ToString(),
                         Offer(path, declared, "parameters"));
   }

@@ -7,13 +7,15 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "component/component_guard.hpp"
-#include "component/input_gate.hpp"
+#include "component/input_gates.hpp"
 #include "hgros/component/component_description.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/component/context.hpp"
@@ -56,8 +58,13 @@ class ContextCore {
   void EndInputs();
   void EndServices();
 
+  // Another instance follows one that has gone, with its services and timers, while it was held. Inputs stay wired if
+  // this instance asks for the same; EndUnused() ends the others.
+  void BeginAgain(ComponentSetup setup);
+  void EndUnused();
+
   // For moves. Those of a component that can be saved.
-  [[nodiscard]] std::vector<std::shared_ptr<InputGate>> gates() const;
+  [[nodiscard]] std::vector<std::shared_ptr<InputGate>> gates() const { return gates_.all(); }
   enum class Place { kHere, kHeld, kElsewhere };
   // Calls and ticks of timers wait while the component is held. Elsewhere calls fail and ticks are skipped.
   void SetPlace(Place place);
@@ -65,7 +72,7 @@ class ContextCore {
   // For Context.
   [[nodiscard]] Session& session() const noexcept { return means_.session; }
   [[nodiscard]] const std::shared_ptr<ComponentGuard>& guard() const noexcept { return guard_; }
-  [[nodiscard]] ParamServer& params() noexcept { return params_; }
+  [[nodiscard]] ParamServer& params() noexcept { return *params_; }
   [[nodiscard]] Log& log() noexcept { return log_; }
   [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
   // Keeps what is wrong with a parameter for EndConstruction(). False if the constructor has returned.
@@ -81,17 +88,21 @@ class ContextCore {
 
  private:
   using Kept = std::shared_ptr<const void>;
-  using Wire = std::function<Kept()>;
+  struct Wire {
+    std::string node;
+    std::function<Kept()> make;
+  };
   // What waits for a stage, or exists since.
   struct Stage {
     bool begun = false;
     bool ended = false;
     int in_progress = 0;  // Wires that are called now.
     std::vector<Wire> waiting{};
-    std::vector<Kept> kept{};
+    std::vector<std::pair<std::string, Kept>> kept{};  // By node.
   };
 
   void Add(Stage& stage, Wire wire);
+  void EndInput(InputGate& gate);
   void Begin(Stage& stage);
   void End(Stage& stage);
   // Makes the node's name unique, puts the component's before it, and returns what the setup says of the node.
@@ -103,10 +114,11 @@ class ContextCore {
   void NoteLate(const std::string& sentence);
   void Report() const;
   [[nodiscard]] LogSink Sink() const;
+  [[nodiscard]] static ParamSources SourcesOf(const ComponentSetup& setup);
 
   const Means means_;
-  const ComponentSetup setup_;
-  ParamServer params_;
+  ComponentSetup setup_;
+  std::optional<ParamServer> params_;
   Log log_;
   const std::shared_ptr<ComponentGuard> guard_;
   Context context_;
@@ -115,11 +127,12 @@ class ContextCore {
   mutable std::mutex mutex_;
   std::condition_variable wired_;
   std::condition_variable placed_;
-  std::atomic<Place> place_ = Place::kHere;        // Set under mutex_.
-  std::vector<std::shared_ptr<InputGate>> gates_;  // Guarded by mutex_.
+  std::atomic<Place> place_ = Place::kHere;  // Set under mutex_.
+  InputGates gates_;
   ComponentStatus status_;
   ComponentDescription description_;  // Does not change after the construction.
   bool constructed_ = false;
+  bool again_ = false;           // Another instance is constructed while its inputs are held.
   std::set<std::string> names_;  // Channels and services that the component has named.
   std::set<std::string> nodes_;  // Names of its nodes, within the component.
   std::map<std::string, Error> faulty_params_;

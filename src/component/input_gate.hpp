@@ -62,6 +62,8 @@ class InputGate {
   // The component ends. If messages wait, they are dropped, and those that come as well.
   void Close();
 
+  // While messages wait: what they reach from now on.
+  void Replace(AnyCallback callback) { callback_ = std::move(callback); }
   // Calls the callback on this thread. Its exception is thrown.
   void Handle(const Waiting& waiting);
   // The last message of each publisher that was given to the callback, here or in another place.
@@ -77,7 +79,7 @@ class InputGate {
 
   const std::string node_;
   const TypeInfo& type_;
-  const AnyCallback callback_;
+  AnyCallback callback_;
   const std::shared_ptr<ComponentGuard> guard_;
 
   mutable std::mutex mutex_;

@@ -48,22 +48,6 @@ class LeavingComponent::Core {
     ++lost;
     return std::nullopt;
   }
-  // Without a message, all that wait are handled by the component.
-  void HandleWaiting() {
-    for (const auto& gate : gates) {
-      do {
-        while (const auto waiting = gate->Next()) {
-          try {
-            gate->Handle(*waiting);
-          } catch (const std::exception& error) {
-            one.core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw: " + error.what());
-          } catch (...) {
-            one.core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw.");
-          }
-        }
-      } while (!gate->PassIfEmpty());
-    }
-  }
 };
 
 LeavingComponent::LeavingComponent(Components& components, std::string name, std::function<void()> wake)
@@ -125,7 +109,7 @@ void LeavingComponent::Resume() {
   }
   if (!one.activated) (void)one.TryActivate();
   one.core.SetPlace(ContextCore::Place::kHere);
-  core_->HandleWaiting();
+  one.HandleWaiting();
 }
 
 void LeavingComponent::Leave() {

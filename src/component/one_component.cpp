@@ -137,4 +137,32 @@ void OneComponent::Restore(const RawMessage& state) {
   component->Restore(read);
 }
 
+std::vector<Error> OneComponent::ConstructAgain(ComponentSetup setup) {
+  offered.reset();
+  core.EndTimers();
+  Deactivate();
+  core.SetPlace(ContextCore::Place::kElsewhere);  // Calls that wait do not keep the end waiting.
+  core.EndServices();
+  core.SetPlace(ContextCore::Place::kHeld);
+  component.reset();
+  core.BeginAgain(std::move(setup));
+  return Construct();
+}
+
+void OneComponent::HandleWaiting() {
+  for (const auto& gate : core.gates()) {
+    do {
+      while (const auto waiting = gate->Next()) {
+        try {
+          gate->Handle(*waiting);
+        } catch (const std::exception& error) {
+          core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw: " + error.what());
+        } catch (...) {
+          core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw.");
+        }
+      }
+    } while (!gate->PassIfEmpty());
+  }
+}
+
 }  // namespace hgros

@@ -48,6 +48,10 @@ struct OneComponent {
   [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::chrono::nanoseconds patience,
                                                        const std::function<void()>& meanwhile = {});
   void Restore(const RawMessage& state);
+  // The object ends while it is held, and another one is constructed. Returns all faults.
+  [[nodiscard]] std::vector<Error> ConstructAgain(ComponentSetup setup);
+  // Messages that wait, on this thread; those that come then pass.
+  void HandleWaiting();
 
   // They end in reverse order: the object before what it uses.
   const ComponentType type;

@@ -1,5 +1,7 @@
 #include "hgros/config/config.hpp"
 
+#include <cstdlib>
+
 #include "config/config_draft.hpp"
 #include "hgros/config/check.hpp"
 #include "hgros/config/config_sections.hpp"
@@ -138,6 +140,11 @@ Config Config::Load(const std::filesystem::path& file) { return Load(std::span(&
 
 Config Config::Load(std::initializer_list<std::filesystem::path> files) {
   return Load(std::span(files.begin(), files.size()));
+}
+
+Config Config::OfEnvironment() {
+  const char* const yaml = std::getenv("HGROS_CONFIG");
+  return yaml == nullptr || *yaml == '\0' ? Config() : Parse(yaml, "HGROS_CONFIG");
 }
 
 Config Config::Parse(std::string_view yaml, std::string_view name) {

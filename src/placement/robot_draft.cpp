@@ -65,6 +65,19 @@ std::map<std::string, std::string> ReadEnvironment(const Value& map) {
   return env;
 }
 
+std::vector<std::string> ReadNames(const Value& list) {
+  std::vector<std::string> names;
+  for (const Value& one : list.List("a list of names")) {
+    const std::string& name = one.Text("a name");
+    if (const std::string fault = ChannelNameFault(name); !fault.empty()) {
+      one.Fail("is " + yaml::Quoted(name) + ", which is no name: " + fault,
+               "Use visible characters without spaces, such as \"robot1/scan\".");
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+
 std::map<std::string, std::string> ReadRemap(const Value& map) {
   std::map<std::string, std::string> remap =
       ReadTexts(map, "a map from the component's names of channels and services to the robot's", "a name");
@@ -256,7 +269,8 @@ void RobotDraft::ReadPlaces(const Value& list, RobotProcess& process) {
 
 void RobotDraft::ReadProgram(const Field& field) {
   CheckName(field, "program");
-  const Section section(field.value, "a map with command", WithUnitKeys({"command"}));
+  const Section section(field.value, "a map with command",
+                        WithUnitKeys({"command", "publishes", "subscribes", "serves", "calls"}));
   RobotProgram program;
   ReadUnit(field, section, program);
   const Value command = section.Require("command");
@@ -265,6 +279,10 @@ void RobotDraft::ReadProgram(const Field& field) {
   }
   if (program.command.empty() || program.command.front().empty()) command.Fail("names no program", "Name one.");
   if (program.command.size() > kMostArguments) command.Fail("has more than 1000 arguments", "Write a script for it.");
+  section.Read("publishes", [&](const Value& list) { program.publishes = ReadNames(list); });
+  section.Read("subscribes", [&](const Value& list) { program.subscribes = ReadNames(list); });
+  section.Read("serves", [&](const Value& list) { program.serves = ReadNames(list); });
+  section.Read("calls", [&](const Value& list) { program.calls = ReadNames(list); });
   robot_.programs.push_back(std::move(program));
 }
 

@@ -108,12 +108,14 @@ void RobotDraft::CheckHosts() const {
   }
 }
 
-// Each process of a host has a port of its own.
+// Each process of a host has a port of its own, and so has each program that says what it exchanges.
 void RobotDraft::CheckPorts() const {
   const auto end_of = [this](const RobotHost& host) {
     const std::string name = host.home ? std::string() : host.name;
     const auto processes = std::ranges::count(robot_.processes, name, &RobotProcess::host);
-    return host.port + std::max(1, static_cast<int>(processes));
+    const auto programs = std::ranges::count_if(
+        robot_.programs, [&](const RobotProgram& one) { return one.host == name && one.declares(); });
+    return host.port + std::max(1, static_cast<int>(processes + programs));
   };
   for (auto second = robot_.hosts.begin(); second != robot_.hosts.end(); ++second) {
     for (auto first = robot_.hosts.begin(); first != second; ++first) {

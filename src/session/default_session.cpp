@@ -33,7 +33,7 @@ void Init(Config config, SessionOptions options) {
 }
 
 void Init(const std::vector<std::filesystem::path>& files, SessionOptions options) {
-  Init(Config::Load(files), std::move(options));
+  Init(files.empty() ? Config::OfEnvironment() : Config::Load(files), std::move(options));
 }
 
 void Shutdown() {

@@ -8,7 +8,7 @@
 
 namespace hgros {
 
-Session::Session() : Session(Config{}) {}
+Session::Session() : Session(Config::OfEnvironment()) {}
 Session::Session(Config config, SessionOptions options)
     : Session(std::make_unique<SessionCore>(std::move(config), std::move(options))) {}
 Session::Session(std::unique_ptr<SessionCore> core)

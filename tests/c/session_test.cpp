@@ -50,6 +50,10 @@ TEST(CSession, NullArgumentsGiveACodeAndASentence) {
 TEST(CSession, ConfigurationErrorsNameLineAndFix) {
   hgros_session* session = nullptr;
   EXPECT_EQ(hgros_session_open("netwrok: {}", nullptr, &session), HGROS_CONFIG_ERROR);
+  ASSERT_EQ(setenv("HGROS_CONFIG", "netwrk: {}", 1), 0);
+  EXPECT_EQ(hgros_session_open(nullptr, nullptr, &session), HGROS_CONFIG_ERROR);
+  EXPECT_NE(LastError().find("HGROS_CONFIG:1:1"), std::string::npos) << LastError();
+  ASSERT_EQ(unsetenv("HGROS_CONFIG"), 0);
   EXPECT_EQ(session, nullptr);
   EXPECT_NE(LastError().find("network"), std::string::npos) << LastError();
   EXPECT_NE(LastError().find(":1:1"), std::string::npos) << LastError();

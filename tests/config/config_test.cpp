@@ -1,5 +1,7 @@
 #include "hgros/config/config.hpp"
 
+#include <cstdlib>
+#include <string>
 #include <vector>
 
 #include "config/config_fixture.hpp"
@@ -267,6 +269,23 @@ TEST(ConfigYaml, AliasRepeatsTheValueOfItsAnchor) {
 TEST(ConfigYaml, NamesAreTakenAsWritten) {
   const Config config = Config::Parse("data_graph: {close_channels: [1, yes, !!str true, robot1/scan, 雷达]}");
   EXPECT_EQ(config.closed_channels, (Names{"1", "robot1/scan", "true", "yes", "雷达"}));
+}
+
+TEST(ConfigOfEnvironment, IsYamlOrTheDefault) {
+  EXPECT_EQ(Config::OfEnvironment().publishers, Config().publishers);
+  ASSERT_EQ(setenv("HGROS_CONFIG", "network: {publisher: {ip: '*:5553'}}", 1), 0);
+  EXPECT_EQ(Config::OfEnvironment().publishers, (std::vector<EndpointConfig>{{"tcp://*:5553", {}, true}}));
+  ASSERT_EQ(setenv("HGROS_CONFIG", "netwrk: {}", 1), 0);
+  try {
+    (void)Config::OfEnvironment();
+    ADD_FAILURE() << "The key is unknown.";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("HGROS_CONFIG:1:1: Unknown key \"netwrk\""), std::string::npos)
+        << error.what();
+  }
+  ASSERT_EQ(setenv("HGROS_CONFIG", "", 1), 0);
+  EXPECT_EQ(Config::OfEnvironment().publishers, Config().publishers);
+  ASSERT_EQ(unsetenv("HGROS_CONFIG"), 0);
 }
 
 TEST(ConfigYaml, ByteOrderMarkAndWindowsLineBreaksAreAccepted) {

@@ -9,10 +9,19 @@ import json
 import os
 import pathlib
 import signal
+import socket
 
 from slam2d_programs import DATA, ROBOTS, SCANS, SLOW, Slam2dTest, main
 
 SHORT = {"source.params.scans": SCANS}
+
+
+def free_ports(count):
+    sockets = [socket.create_server(("", 0)) for _ in range(count)]
+    ports = [one.getsockname()[1] for one in sockets]
+    for one in sockets:
+        one.close()
+    return ports
 
 
 class Slam2dRobots(Slam2dTest):
@@ -27,7 +36,12 @@ class Slam2dRobots(Slam2dTest):
         self.assertEqual(self.hashes(self.start("three_processes.yaml", SHORT)), self.reference(SCANS))
 
     def test_two_hosts_get_the_reference_result(self):
-        self.assertEqual(self.hashes(self.start(self.on_free_ports("two_hosts.yaml"), SHORT)), self.reference(SCANS))
+        ports = {f"hosts.{host}.port": port for host, port in zip(("cart", "base"), free_ports(2))}
+        cart, base = (self.start("two_hosts.yaml", {**SHORT, **ports}, "--host", host, "--name", host)
+                      for host in ("cart", "base"))
+        self.assertEqual(self.hashes(base), self.reference(SCANS))
+        code, out, err = self.end(cart)
+        self.assertEqual(code, 0, out + err)
 
     def test_two_robots_get_the_reference_result_whoever_starts_first(self):
         for first in ("robot1.yaml", "robot2.yaml"):

@@ -37,7 +37,8 @@ processes:
     data_graph: {threads: 2}
     channels: {scan: {queue: {keep_last: 9}}}
 programs:
-  screen: {command: [python3, screen.py], restart: always, essential: true}
+  screen: {command: [python3, screen.py], restart: always, essential: true, publishes: [wanted, lights],
+           subscribes: [map], serves: [show], calls: [plan]}
 )";
 
 std::optional<std::string> NoVariables(const std::string&) { return std::nullopt; }
@@ -104,6 +105,11 @@ TEST(RobotFileTest, ReadsProcessesAndPrograms) {
   EXPECT_EQ(front.restart, RestartPolicy::kOnFailure);
   ASSERT_EQ(robot.programs.size(), 1U);
   EXPECT_EQ(robot.programs[0].command, (std::vector<std::string>{"python3", "screen.py"}));
+  EXPECT_EQ(robot.programs[0].publishes, (std::vector<std::string>{"wanted", "lights"}));
+  EXPECT_EQ(robot.programs[0].subscribes, (std::vector<std::string>{"map"}));
+  EXPECT_EQ(robot.programs[0].serves, (std::vector<std::string>{"show"}));
+  EXPECT_EQ(robot.programs[0].calls, (std::vector<std::string>{"plan"}));
+  EXPECT_TRUE(robot.programs[0].declares());
   EXPECT_EQ(robot.programs[0].restart, RestartPolicy::kAlways);
   EXPECT_TRUE(robot.programs[0].essential);
 }
@@ -278,6 +284,11 @@ TEST(RobotFileTest, FaultsOfHostsHaveAPlaceAndTheNearestName) {
          "2:33: The hosts \"a\" and \"b\" have the same address, 10.0.0.1, and both use its port 5650.");
   expect("hosts: {a: {address: h, home: true}, b: {address: h, port: 5651}}\nprocesses: {p: {}, q: {}}",
          "and both use its port 5651. Correct the address of one, or give it another `port`.");
+  expect(
+      "hosts: {a: {address: h, home: true}, b: {address: h, port: 5651}}\n"
+      "processes: {p: {}}\nprograms: {q: {command: [ls], publishes: [x]}}",
+      "and both use its port 5651.");
+  expect("programs: {q: {command: [ls], calls: plan}}", "programs.q.calls must be a list of names");
   expect("hosts: {base: {home: 1}}\nprocesses: {p: {host: base}}", "hosts.base.home must be true or false");
   expect("hosts: {base: 5}\nprocesses: {p: {host: base}}", "hosts.base must be a map with address");
   expect("hosts: {base: }\nprocesses: {p: {host: bas}}",

@@ -1,3 +1,6 @@
+import os
+import unittest.mock
+
 from support import RobotTest, main, wait_until
 
 import hgros
@@ -68,6 +71,10 @@ class Publishing(RobotTest):
     def test_configuration_file_with_a_mistake_says_where(self):
         with self.assertRaisesRegex(hgros.ConfigError, "text:1:"):
             hgros.Session(text="netwrk: {}")
+        with unittest.mock.patch.dict(os.environ, HGROS_CONFIG="netwrk: {}"):
+            with self.assertRaisesRegex(hgros.ConfigError, "HGROS_CONFIG:1:"):
+                hgros.Session()
+            self.session(text="").close()  # One of its own.
 
     def test_queue_of_the_configuration_holds(self):
         robot = self.session(text="data_graph: {nodes: {all: {queue: {keep_all: 3}}}}")

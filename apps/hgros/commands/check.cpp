@@ -125,13 +125,18 @@ void CheckCommand::Write(Console& console, const FileFindings& findings) const {
   if (!end.empty()) console.Line(console.Styled(Style::kDim, end));
 }
 
-// Shows the endpoints that are derived for processes with channels to other hosts.
+const FilePosition& AtOf(const RobotFile& robot, const std::string& unit) {
+  if (const RobotProcess* process = robot.FindProcess(unit)) return process->at;
+  return std::ranges::find(robot.programs, unit, &RobotProgram::name)->at;
+}
+
+// Shows the endpoints that are derived for processes and programs with channels to other hosts.
 void CheckHosts(const RobotFile& robot, const RobotGraph& graph, FileFindings& findings) {
   for (const auto& network : HostNetworks(robot, graph)) {
     const std::string& process = network.first;
     const std::string& yaml = network.second;
     const Config config = Config::Parse(yaml.substr(0, yaml.find("  security:")));
-    const auto note = [&, &at = robot.FindProcess(process)->at](const EndpointConfig& one, std::string_view does) {
+    const auto note = [&, &at = AtOf(robot, process)](const EndpointConfig& one, std::string_view does) {
       std::string channels;
       for (const std::string& channel : one.channels) channels += (channels.empty() ? "" : ", ") + channel;
       findings.push_back({Severity::kNote,

@@ -9,6 +9,7 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kSavePatience{200};
+constexpr std::chrono::seconds kRestartPatience{3};        // Of 5 s that the starter waits for the next instance.
 constexpr Duration kRarestLook = std::chrono::seconds(1);  // A callback that returns needs none.
 
 bool IsOver(ComponentState state) { return state == ComponentState::kFinished || state == ComponentState::kFailed; }
@@ -128,7 +129,12 @@ void HostedComponents::Save(Hosted& one) {
   } catch (const std::exception& error) {
     return reports_.Line(name, LogLevel::kWarning, "There is no new checkpoint: " + std::string(error.what()));
   }
-  if (state == nullptr || AsText(state->data.bytes) == one.saved) return;
+  if (state != nullptr) Keep(one, state);
+}
+
+void HostedComponents::Keep(Hosted& one, const std::shared_ptr<const RawMessage>& state) {
+  const std::string& name = one.setup->setup.name;
+  if (AsText(state->data.bytes) == one.saved) return;
   if (state->data.bytes.size() > kMostStateBytes) {
     if (!std::exchange(one.too_large, true)) {
       reports_.Line(name, LogLevel::kWarning,
@@ -210,20 +216,38 @@ void HostedComponents::Note(const ComponentStatus& status) {
 void HostedComponents::ConstructAgain(const std::string& name) {
   const auto found = hosted_.find(name);
   if (found == hosted_.end() || found->second.moving) return;
-  if (found->second.save_at != Clock::time_point::max()) Save(found->second);
-  Restart(found->second);
+  Hosted& one = found->second;
+  if (!Runs(name) || components_.description(name).state.empty()) {
+    if (one.save_at != Clock::time_point::max()) Save(one);
+    return Restart(one);
+  }
+  try {
+    components_.ConstructAgain(one.kept.Continue(one.setup->setup), kRestartPatience, [&](const auto& state) {
+      Keep(one, state);
+      one.changes = {};
+      Forget(one);
+    });
+    Listen(one);
+  } catch (const std::exception& error) {
+    reports_.Line(name, LogLevel::kWarning,
+                  std::string("It ends first, so the messages that wait for it are lost. ") + error.what());
+    Restart(one);
+  }
+}
+
+// What was noted of the last instance.
+void HostedComponents::Forget(Hosted& one) {
+  const std::scoped_lock lock(mutex_);
+  one.state = ComponentState::kWired;
+  one.exceptions = one.late = 0;
+  one.restart_at = Clock::time_point::max();
 }
 
 void HostedComponents::Restart(Hosted& one) {
   const std::string& name = one.setup->setup.name;
   one.changes = {};
   components_.End(name);
-  {
-    const std::scoped_lock lock(mutex_);
-    one.state = ComponentState::kWired;
-    one.exceptions = one.late = 0;
-    one.restart_at = Clock::time_point::max();
-  }
+  Forget(one);
   try {
     Add(one);
     components_.Join();

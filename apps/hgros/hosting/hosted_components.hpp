@@ -37,7 +37,8 @@ class HostedComponents {
   [[nodiscard]] Clock::time_point Work();
   /// The last checkpoints, of those that have not failed.
   void SaveAll();
-  /// Ends a component and constructs it again. It goes on from its state, if it has not failed.
+  /// Ends a component and constructs it again. One that can be saved goes on from its state, and what comes meanwhile
+  /// waits for it, unless it has failed or finished or does not end its callbacks.
   void ConstructAgain(const std::string& name);
 
   // For ComponentMoves.
@@ -88,7 +89,9 @@ class HostedComponents {
   // Those that were changed, because of `error`.
   void ForgetParams(Hosted& one, const Error& error);
   void Save(Hosted& one);
+  void Keep(Hosted& one, const std::shared_ptr<const RawMessage>& state);
   void Restart(Hosted& one);
+  void Forget(Hosted& one);
   // Whether it will be constructed again. mutex_ is held.
   [[nodiscard]] static bool PlanRestart(Hosted& one, const ComponentStatus& status);
   void Note(const ComponentStatus& status);

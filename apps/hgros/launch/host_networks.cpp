@@ -27,19 +27,30 @@ std::string ListOf(const std::set<std::string>& names) {
   return "[" + list + "]";
 }
 
-const RobotHost& HostOf(const RobotFile& robot, const RobotProcess& process) {
-  if (const RobotHost* host = robot.FindHost(process.host)) return *host;
-  throw ConfigError("The process \"" + process.name + "\" exchanges messages with another host, but no host is home.",
-                    process.at,
+// What exchanges messages, in the order of the ports: processes, then programs that say what they exchange.
+std::vector<const RobotUnit*> Exchanging(const RobotFile& robot) {
+  std::vector<const RobotUnit*> units;
+  for (const RobotProcess& one : robot.processes) units.push_back(&one);
+  for (const RobotProgram& one : robot.programs) {
+    if (one.declares()) units.push_back(&one);
+  }
+  return units;
+}
+
+const RobotHost& HostOf(const RobotFile& robot, const RobotUnit& unit) {
+  if (const RobotHost* host = robot.FindHost(unit.host)) return *host;
+  throw ConfigError((robot.FindProcess(unit.name) != nullptr ? "The process \"" : "The program \"") + unit.name +
+                        "\" exchanges messages with another host, but no host is home.",
+                    unit.at,
                     "Add the host where `hgros run` is started: `hosts: {NAME: {address: ADDRESS, home: true}}`.");
 }
 
-// Each process of a host has a port, in the order of the file.
-int PortOf(const RobotFile& robot, const RobotHost& host, const RobotProcess& process) {
+// Each of them on a host has a port, in the order of the file.
+int PortOf(const RobotFile& robot, const RobotHost& host, const RobotUnit& unit) {
   int port = host.port;
-  for (const RobotProcess& one : robot.processes) {
-    if (one.name == process.name) break;
-    port += one.host == process.host ? 1 : 0;
+  for (const RobotUnit* one : Exchanging(robot)) {
+    if (one->name == unit.name) break;
+    port += one->host == unit.host ? 1 : 0;
   }
   return port;
 }
@@ -78,15 +89,16 @@ void AddQuestions(std::set<std::string>& out, std::set<std::string>& in) {
   }
 }
 
-std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const RobotProcess& process) {
+std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const RobotUnit& unit) {
   std::set<std::string> published;
   std::set<std::string> clients;
   std::string subscribers;
   std::string servers;
-  for (const RobotProcess& other : robot.processes) {
-    if (other.host == process.host) continue;
-    std::set<std::string> out = graph.ChannelsFrom(process.name, other.name);
-    std::set<std::string> in = graph.ChannelsFrom(other.name, process.name);
+  for (const RobotUnit* each : Exchanging(robot)) {
+    const RobotUnit& other = *each;
+    if (other.host == unit.host) continue;
+    std::set<std::string> out = graph.ChannelsFrom(unit.name, other.name);
+    std::set<std::string> in = graph.ChannelsFrom(other.name, unit.name);
     if (out.empty() && in.empty()) continue;
     if (graph.HasMoving()) AddQuestions(out, in);
     const RobotHost& host = HostOf(robot, other);
@@ -98,9 +110,9 @@ std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const Rob
     servers += "      " + endpoint + ": " + InQuotes(host.key) + "\n";
   }
   if (published.empty() && subscribers.empty()) return {};
-  const RobotHost& host = HostOf(robot, process);
-  const int port = PortOf(robot, host, process);
-  RequireRoom(process, host, !published.empty(), port);
+  const RobotHost& host = HostOf(robot, unit);
+  const int port = PortOf(robot, host, unit);
+  if (const RobotProcess* process = robot.FindProcess(unit.name)) RequireRoom(*process, host, !published.empty(), port);
   std::string yaml = "network:\n";
   if (!published.empty()) {
     yaml += "  publisher: {ip: \"tcp://*:" + std::to_string(port) + "\", channels: " + ListOf(published) + "}\n";
@@ -129,8 +141,8 @@ void Add(Config derived, Config& config) {
 
 std::map<std::string, std::string> HostNetworks(const RobotFile& robot, const RobotGraph& graph) {
   std::map<std::string, std::string> networks;
-  for (const RobotProcess& process : robot.processes) {
-    if (std::string yaml = NetworkOf(robot, graph, process); !yaml.empty()) networks[process.name] = std::move(yaml);
+  for (const RobotUnit* unit : Exchanging(robot)) {
+    if (std::string yaml = NetworkOf(robot, graph, *unit); !yaml.empty()) networks[unit->name] = std::move(yaml);
   }
   return networks;
 }
@@ -160,6 +172,10 @@ RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
   for (RobotProcess& process : part.processes) {
     const auto network = networks.find(process.name);
     if (network != networks.end() && process.host == here) Add(Config::Parse(network->second, "hosts"), process.config);
+  }
+  for (RobotProgram& program : part.programs) {
+    const auto network = networks.find(program.name);
+    if (network != networks.end() && program.host == here) program.env.emplace("HGROS_CONFIG", network->second);
   }
   return part;
 }

@@ -39,17 +39,27 @@ RobotGraph::RobotGraph(const RobotFile& robot, std::vector<ComponentDescription>
     if (component == nullptr) continue;
     const bool moves = !one.state.empty();
     moving_ = moving_ || moves;
-    for (const ComponentChannel& input : one.inputs) inputs_[input.channel].push_back({component, input.type, moves});
+    for (const ComponentChannel& input : one.inputs)
+      inputs_[input.channel].push_back({component, nullptr, input.type, moves});
     for (const ComponentChannel& output : one.outputs) {
-      outputs_[output.channel].push_back({component, output.type, moves});
+      outputs_[output.channel].push_back({component, nullptr, output.type, moves});
     }
     for (const ComponentService& service : one.services) {
-      served_[service.service].push_back({{component, service.request, moves}, service.reply});
+      served_[service.service].push_back({{component, nullptr, service.request, moves}, service.reply});
     }
     for (const ComponentService& call : one.calls) {
-      called_[call.service].push_back({{component, call.request, moves}, call.reply});
+      called_[call.service].push_back({{component, nullptr, call.request, moves}, call.reply});
     }
   }
+  for (const RobotProgram& one : robot.programs) Add(one);
+}
+
+void RobotGraph::Add(const RobotProgram& program) {
+  const End end{nullptr, &program, {}, false};
+  for (const std::string& channel : program.subscribes) inputs_[channel].push_back(end);
+  for (const std::string& channel : program.publishes) outputs_[channel].push_back(end);
+  for (const std::string& service : program.serves) served_[service].push_back({end, {}});
+  for (const std::string& service : program.calls) called_[service].push_back({end, {}});
 }
 
 std::vector<RobotFinding> RobotGraph::Check() const {
@@ -59,16 +69,16 @@ std::vector<RobotFinding> RobotGraph::Check() const {
   return findings;
 }
 
-bool RobotGraph::IsListed(const RobotComponent& component, const std::string& channel) const {
-  const RobotProcess* process = robot_.FindProcess(component.process);
+bool RobotGraph::IsListed(const End& end, const std::string& channel) const {
+  const RobotProcess* process = robot_.FindProcess(end.unit());
   return process != nullptr && std::ranges::any_of(process->config.subscribers, [&](const EndpointConfig& endpoint) {
            return std::ranges::binary_search(endpoint.channels, channel);
          });
 }
 
-bool RobotGraph::MayComeFromOutside(const RobotComponent& component) const {
-  if (!robot_.programs.empty()) return true;
-  const RobotProcess* process = robot_.FindProcess(component.process);
+bool RobotGraph::MayComeFromOutside(const End& end) const {
+  if (!std::ranges::all_of(robot_.programs, &RobotProgram::declares)) return true;
+  const RobotProcess* process = robot_.FindProcess(end.unit());
   return process != nullptr && std::ranges::any_of(process->config.subscribers, &EndpointConfig::all_channels);
 }
 
@@ -76,12 +86,12 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
   for (const auto& [channel, ends] : inputs_) {
     const auto publishers = outputs_.find(channel);
     for (const End& end : ends) {
-      const std::string& name = end.component->setup.name;
+      const std::string& name = end.name();
       if (publishers == outputs_.end()) {
         const std::string nearest = NearestKey(channel, outputs_);
-        if (IsListed(*end.component, channel)) continue;
-        if (nearest.empty() && MayComeFromOutside(*end.component)) continue;
-        findings.push_back({false, end.component->at,
+        if (IsListed(end, channel)) continue;
+        if (nearest.empty() && MayComeFromOutside(end)) continue;
+        findings.push_back({false, end.at(),
                             "No component publishes the channel " + InQuotes(channel) + ", to which " + InQuotes(name) +
                                 " subscribes.",
                             nearest, channel});
@@ -89,10 +99,10 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
       }
       for (const End& publisher : publishers->second) {
         if (end.type.empty() || publisher.type.empty() || end.type == publisher.type) continue;
-        findings.push_back({true, end.component->at,
-                            "The channel " + InQuotes(channel) +
-                                " has two types: " + InQuotes(publisher.component->setup.name) + " publishes " +
-                                publisher.type + ", and " + InQuotes(name) + " subscribes to " + end.type + ".",
+        findings.push_back({true, end.at(),
+                            "The channel " + InQuotes(channel) + " has two types: " + InQuotes(publisher.name()) +
+                                " publishes " + publisher.type + ", and " + InQuotes(name) + " subscribes to " +
+                                end.type + ".",
                             "Rename one of them with remap."});
       }
     }
@@ -100,10 +110,10 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
   for (const auto& [channel, ends] : outputs_) {
     for (const End& end : ends) {
       if (end.type.empty() || ends.front().type.empty() || end.type == ends.front().type) continue;
-      findings.push_back({true, end.component->at,
-                          "The channel " + InQuotes(channel) + " has two types: " +
-                              InQuotes(ends.front().component->setup.name) + " publishes " + ends.front().type +
-                              ", and " + InQuotes(end.component->setup.name) + " publishes " + end.type + ".",
+      findings.push_back({true, end.at(),
+                          "The channel " + InQuotes(channel) + " has two types: " + InQuotes(ends.front().name()) +
+                              " publishes " + ends.front().type + ", and " + InQuotes(end.name()) + " publishes " +
+                              end.type + ".",
                           "Rename one of them with remap."});
     }
   }
@@ -112,29 +122,30 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
 void RobotGraph::CheckServices(std::vector<RobotFinding>& findings) const {
   for (const auto& [service, servers] : served_) {
     for (std::size_t i = 1; i < servers.size(); ++i) {
-      findings.push_back({true, servers[i].request.component->at,
+      findings.push_back({true, servers[i].request.at(),
                           "The service " + InQuotes(service) + " is served twice: by " +
-                              InQuotes(servers[0].request.component->setup.name) + " and by " +
-                              InQuotes(servers[i].request.component->setup.name) + ".",
+                              InQuotes(servers[0].request.name()) + " and by " + InQuotes(servers[i].request.name()) +
+                              ".",
                           "Rename one of them with remap."});
     }
   }
   for (const auto& [service, callers] : called_) {
     const auto served = served_.find(service);
     for (const Pair& caller : callers) {
-      const std::string& name = caller.request.component->setup.name;
+      const std::string& name = caller.request.name();
       if (served == served_.end()) {
-        findings.push_back({false, caller.request.component->at,
+        findings.push_back({false, caller.request.at(),
                             "No component serves " + InQuotes(service) + ", which " + InQuotes(name) + " calls.",
                             NearestKey(service, served_), service});
         continue;
       }
       const Pair& server = served->second.front();
+      if (server.request.program != nullptr || caller.request.program != nullptr) continue;  // Of any type.
       if (server.request.type == caller.request.type && server.reply == caller.reply) continue;
-      findings.push_back({true, caller.request.component->at,
+      findings.push_back({true, caller.request.at(),
                           "The service " + InQuotes(service) + " takes " + server.request.type + " and returns " +
-                              server.reply + " in " + InQuotes(server.request.component->setup.name) + ", but " +
-                              InQuotes(name) + " sends " + caller.request.type + " and expects " + caller.reply + ".",
+                              server.reply + " in " + InQuotes(server.request.name()) + ", but " + InQuotes(name) +
+                              " sends " + caller.request.type + " and expects " + caller.reply + ".",
                           "Rename one of them with remap."});
     }
   }
@@ -149,7 +160,7 @@ std::map<std::string, std::size_t> RobotGraph::SubscribersOfMoved(std::string_vi
   std::map<std::string, std::size_t> subscribers = SubscribersOf(process, component);
   std::erase_if(subscribers, [&](const auto& one) {
     const std::vector<End>& ends = outputs_.at(one.first);
-    return std::ranges::none_of(ends, [&](const End& end) { return end.component->setup.name == component; });
+    return std::ranges::none_of(ends, [&](const End& end) { return end.name() == component; });
   });
   return subscribers;
 }
@@ -157,7 +168,7 @@ std::map<std::string, std::size_t> RobotGraph::SubscribersOfMoved(std::string_vi
 std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess& process,
                                                              std::string_view moved) const {
   const auto place = [&](const End& end) -> const std::string& {
-    return end.component->setup.name == moved ? process.name : end.component->process;
+    return end.name() == moved ? process.name : end.unit();
   };
   std::map<std::string, std::size_t> subscribers;
   for (const auto& [channel, ends] : outputs_) {
@@ -183,20 +194,24 @@ std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess&
 bool RobotGraph::Publishes(const RobotProcess& process, const std::string& channel) const {
   const auto ends = outputs_.find(channel);
   return ends != outputs_.end() &&
-         std::ranges::any_of(ends->second, [&](const End& end) { return end.component->process == process.name; });
+         std::ranges::any_of(ends->second, [&](const End& end) { return end.unit() == process.name; });
+}
+
+bool RobotGraph::CanRunIn(const End& end, std::string_view unit) const {
+  return end.unit() == unit || (end.moves && robot_.FindProcess(unit) != nullptr);
 }
 
 std::set<std::string> RobotGraph::ChannelsFrom(std::string_view from, std::string_view to) const {
   const auto leads = [&](const End& first, const End& second, std::string_view one, std::string_view other) {
-    if (first.component == second.component) return false;  // It does not run in both.
-    return (first.moves || first.component->process == one) && (second.moves || second.component->process == other);
+    if (first.name() == second.name()) return false;  // It does not run in both.
+    return CanRunIn(first, one) && CanRunIn(second, other);
   };
   std::set<std::string> channels;
   const RobotProcess* follower = robot_.FindProcess(to);
   for (const auto& [channel, ends] : outputs_) {
     if (channel == kClockChannel && follower != nullptr &&
         follower->config.simulated_time) {  // Its session subscribes.
-      const auto publishes = [&](const End& end) { return end.moves || end.component->process == from; };
+      const auto publishes = [&](const End& end) { return CanRunIn(end, from); };
       if (std::ranges::any_of(ends, publishes)) channels.insert(channel);
     }
     const auto inputs = inputs_.find(channel);

@@ -43,15 +43,20 @@ class RobotGraph {
 
   /// Whether a component can move.
   [[nodiscard]] bool HasMoving() const noexcept { return moving_; }
-  /// The channels that lead from one process to another, also those of services, wherever the components that can move
-  /// run.
+  /// The channels that lead from one process or program to another, also those of services, wherever the components
+  /// that can move run.
   [[nodiscard]] std::set<std::string> ChannelsFrom(std::string_view from, std::string_view to) const;
 
  private:
   struct End {
-    const RobotComponent* component;
+    const RobotComponent* component;  // Or a program, which starts after the components.
+    const RobotProgram* program;
     std::string type;  // Empty: any.
     bool moves;        // The component can.
+
+    [[nodiscard]] const std::string& name() const { return program != nullptr ? program->name : component->setup.name; }
+    [[nodiscard]] const std::string& unit() const { return program != nullptr ? program->name : component->process; }
+    [[nodiscard]] const FilePosition& at() const { return program != nullptr ? program->at : component->at; }
   };
   using Ends = std::map<std::string, std::vector<End>>;
   struct Pair {
@@ -63,10 +68,12 @@ class RobotGraph {
   // With one component in that process, whatever the file says of it.
   [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process,
                                                                  std::string_view moved) const;
-  // Whether an endpoint of the component's process names the channel.
-  [[nodiscard]] bool IsListed(const RobotComponent& component, const std::string& channel) const;
-  // Whether a program of the robot, or an endpoint for all channels, may bring any.
-  [[nodiscard]] bool MayComeFromOutside(const RobotComponent& component) const;
+  void Add(const RobotProgram& program);
+  // Whether an endpoint of the process names the channel.
+  [[nodiscard]] bool IsListed(const End& end, const std::string& channel) const;
+  // Whether a program that does not say what it publishes, or an endpoint for all channels, may bring any.
+  [[nodiscard]] bool MayComeFromOutside(const End& end) const;
+  [[nodiscard]] bool CanRunIn(const End& end, std::string_view unit) const;
   void CheckChannels(std::vector<RobotFinding>& findings) const;
   void CheckServices(std::vector<RobotFinding>& findings) const;
 

@@ -41,10 +41,10 @@ RemoteOrder RemoteUnits::StartOf(const RobotUnit& unit) const {
   start.set_host(unit.host);
   start.set_unit(unit.name);
   if (const char* domain = getenv("HGROS_DOMAIN")) start.set_domain(domain);
+  if (const auto found = networks_.find(unit.name); found != networks_.end()) start.set_network(found->second);
   const RobotProcess* process = robot_.FindProcess(unit.name);
   if (process == nullptr) return order;
   start.mutable_components()->Assign(process->components.begin(), process->components.end());
-  if (const auto found = networks_.find(unit.name); found != networks_.end()) start.set_network(found->second);
   std::set<std::string> files;
   std::map<std::string, std::uint64_t> fingerprints;
   for (const std::string& name : process->components) {

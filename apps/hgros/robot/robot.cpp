@@ -31,20 +31,18 @@ constexpr std::chrono::seconds kAnswerTime{1};
 constexpr std::chrono::seconds kConnectTime{3};
 
 // The configuration of this session: whom it meets. What a file says of its own robot's nodes, channels and publishing
-// endpoints belongs to the sessions of the robot.
+// endpoints belongs to the sessions of the robot. What the environment says is for this one, in a program of a robot.
 Config ConfigOf(const RobotOptions& options) {
   Config config;
   config.control = false;
-  if (!options.config.empty()) {
-    const std::vector<std::filesystem::path> files(options.config.begin(), options.config.end());
-    Config read = Config::Load(files);
-    config.subscribers = std::move(read.subscribers);
-    if (options.sends) config.publishers = std::move(read.publishers);
-    config.security = std::move(read.security);
-    config.discovery = std::move(read.discovery);
-    config.heartbeat_ms = read.heartbeat_ms;
-    config.peer_timeout_ms = read.peer_timeout_ms;
-  }
+  const std::vector<std::filesystem::path> files(options.config.begin(), options.config.end());
+  Config read = files.empty() ? Config::OfEnvironment() : Config::Load(files);
+  config.subscribers = std::move(read.subscribers);
+  if (options.sends || files.empty()) config.publishers = std::move(read.publishers);
+  config.security = std::move(read.security);
+  config.discovery = std::move(read.discovery);
+  config.heartbeat_ms = read.heartbeat_ms;
+  config.peer_timeout_ms = read.peer_timeout_ms;
   for (auto* endpoints : {&config.publishers, &config.subscribers}) {
     for (EndpointConfig& endpoint : *endpoints) endpoint.all_channels = true;
   }

@@ -20,7 +20,7 @@ Config ConfigOf(const std::optional<std::string>& file, const std::optional<std:
     const std::filesystem::path path(*file);
     return Config::Load({&path, 1}, sections);
   }
-  return text ? Config::Parse(*text, "text") : Config();
+  return text ? Config::Parse(*text, "text") : Config::OfEnvironment();
 }
 
 Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes) {

@@ -100,6 +100,15 @@ class HGROS_EXPORT Components {
   /// Error if callbacks still run after `patience`.
   [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::string_view name,
                                                        std::chrono::nanoseconds patience = std::chrono::seconds(1));
+  using OnSaved = std::function<void(const std::shared_ptr<const RawMessage>& state)>;
+  /// Constructs a component that runs again: lets its callbacks end, saves it, calls Deactivate, destroys it,
+  /// constructs it from `setup`, restores it, and lets it join and start. Its subscriptions stay, and what comes
+  /// meanwhile waits for the new object, so no message is lost, handled twice or out of order. A call that waits fails
+  /// and can be repeated. ComponentSetup::state is not used. `saved` gets the state as soon as no callback runs.
+  ///
+  /// Errors: throws Error if the class has no Save, callbacks still run after `patience`, or it cannot be saved; it
+  /// runs on then. Otherwise as Add and Join; what waits is lost then, and after an error of Add nothing is left of it.
+  void ConstructAgain(const ComponentSetup& setup, std::chrono::nanoseconds patience, const OnSaved& saved = {});
   /// Counts and logs callbacks that run for longer than the deadline and have not returned, each once. Those that have
   /// returned are counted without it.
   void NoteHanging(std::string_view name);

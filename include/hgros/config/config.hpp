@@ -100,6 +100,9 @@ struct HGROS_EXPORT Config {
   [[nodiscard]] static Config Parse(std::string_view yaml, std::string_view name = "configuration");
   /// The same from a document.
   [[nodiscard]] static Config From(const yaml::Document& document, std::span<const std::string> program_sections = {});
+  /// What the environment variable HGROS_CONFIG holds, as YAML; the default if it is not set or empty. For a session
+  /// whose program gives no configuration.
+  [[nodiscard]] static Config OfEnvironment();
 };
 
 }  // namespace hgros

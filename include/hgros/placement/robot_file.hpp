@@ -77,6 +77,15 @@ struct RobotProcess : RobotUnit {
 /// A program in any language.
 struct RobotProgram : RobotUnit {
   std::vector<std::string> command;  ///< The program, looked for in PATH, and its arguments.
+  /// What it exchanges, as far as the file says: channels and services. Only that passes between hosts.
+  std::vector<std::string> publishes = {};
+  std::vector<std::string> subscribes = {};
+  std::vector<std::string> serves = {};
+  std::vector<std::string> calls = {};
+
+  [[nodiscard]] bool declares() const {
+    return !publishes.empty() || !subscribes.empty() || !serves.empty() || !calls.empty();
+  }
 };
 
 struct RobotFileOptions {

@@ -19,8 +19,8 @@ namespace hgros {
 /// Threading: Init and Shutdown from one thread; the rest thread-safe in between.
 /// Errors: throws Error if used before Init or after Shutdown, or if Init is called twice.
 
-HGROS_EXPORT void Init(Config config = {}, SessionOptions options = {});
-/// Reads the configuration from files; without files the default configuration applies.
+HGROS_EXPORT void Init(Config config = Config::OfEnvironment(), SessionOptions options = {});
+/// Reads the configuration from files; without files as Init().
 HGROS_EXPORT void Init(const std::vector<std::filesystem::path>& files, SessionOptions options = {});
 /// Ends all subscriptions and the session.
 HGROS_EXPORT void Shutdown();

@@ -47,10 +47,11 @@ class HGROS_EXPORT Session : public SessionPublishing,
                              public SessionServices,
                              public SessionNetwork {
  public:
-  /// A session with the default configuration and the program's name. With its first channel it finds the sessions of
+  /// A session with the program's name and the configuration in HGROS_CONFIG, as YAML, which `hgros run` gives to
+  /// programs of a robot with several hosts; without it the default. With its first channel it finds the sessions of
   /// this user on this host that are in the same domain: that of HGROS_DOMAIN, or else "default". AddPublisherEndpoint
   /// and AddSubscriberEndpoint join it to other hosts.
-  /// Errors: throws Error if HGROS_DOMAIN is not a domain.
+  /// Errors: throws Error if HGROS_DOMAIN is not a domain, and as the next one.
   Session();
   /// Throws Error if an endpoint cannot be bound, or if the name or HGROS_DOMAIN cannot be used.
   explicit Session(Config config, SessionOptions options = {});

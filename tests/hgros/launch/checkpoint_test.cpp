@@ -75,6 +75,44 @@ TEST(HgrosCheckpoint, ARestartOnRequestLosesNothing) {
   EXPECT_TRUE(robot.Prints("begins at 2.")) << "The component alone.";
 }
 
+TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsStartsItsProcessAgain) {
+  RunningRobot robot(
+      "components: {counter: {type: relay/Counter, checkpoint: 20ms}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [counter]}}\n");
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  AwaitCheckpoint();
+  robot.Say("hang");
+  ASSERT_TRUE(robot.Prints("There is no new checkpoint: ")) << "It hangs.";
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("It ends first, so the messages that wait for it are lost."));
+  EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+  robot.Say("two");
+  EXPECT_TRUE(robot.Prints("counts 2."));
+}
+
+// Also without checkpoints.
+TEST(HgrosCheckpoint, ARestartOfAComponentKeepsItsStateAndItsParameters) {
+  RunningRobot robot(
+      "components: {counter: {type: relay/Counter}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [counter]}}\n");
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_EQ(robot.Ask({"param", "set", "counter", "step", "5"}).status, 0);
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+  EXPECT_THAT(robot.Ask({"param", "get", "counter", "step"}).out, HasSubstr("5"));
+  robot.Say("two");
+  EXPECT_TRUE(robot.Prints("counts 6."));
+  ASSERT_EQ(robot.Ask({"param", "set", "counter", "step", "7"}).status, 0) << "Changes are still kept.";
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  robot.Say("three");
+  EXPECT_TRUE(robot.Prints("counts 13."));
+}
+
 TEST(HgrosCheckpoint, ChangedParametersOutliveTheProcess) {
   RunningRobot robot(kCounter);
   ASSERT_TRUE(robot.Prints("other    I run."));

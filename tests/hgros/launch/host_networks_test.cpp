@@ -89,6 +89,43 @@ TEST_F(HostNetworksTest, HaveTheKeysOfTheHosts) {
       << camera;
 }
 
+TEST_F(HostNetworksTest, ProgramsHaveWhatTheySayThatTheyExchange) {
+  RobotProgram& silent = robot_.programs.emplace_back();
+  silent.name = "silent";
+  silent.host = "base";
+  RobotProgram& screen = robot_.programs.emplace_back();
+  screen.name = "screen";
+  screen.host = "base";
+  screen.subscribes = {"image", "unused"};
+  screen.publishes = {"drawn"};
+  screen.calls = {"zoom"};
+  Add("zoomer", "").services = {{"zoom", "zoom", "x.A", "x.B"}};
+  const std::map<std::string, std::string> networks = Networks();
+  EXPECT_EQ(networks.count("silent"), 0U);
+  EXPECT_EQ(networks.at("screen"),
+            "network:\n"
+            "  publisher: {ip: \"tcp://*:6001\", channels: [\"hgros/call/zoom\"]}\n"
+            "  subscribers:\n"
+            "    - {ip: \"tcp://10.0.0.1:5651\", channels: [\"image\", \"unused\"]}\n"
+            "    - {ip: \"tcp://10.0.0.1:5653\", channels: [\"hgros/call/zoom\"]}\n");
+  EXPECT_NE(networks.at("camera").find("\"tcp://*:5651\", channels: [\"hgros/call/plan\", \"image\", \"unused\"]"),
+            std::string::npos);
+  EXPECT_NE(networks.at("zoomer").find("{ip: \"tcp://[fe80::2]:6001\", channels: [\"hgros/call/zoom\"]}"),
+            std::string::npos);
+  EXPECT_EQ(PartOfHost(robot_, "base", networks).programs.back().env.at("HGROS_CONFIG"), networks.at("screen"));
+  EXPECT_TRUE(PartOfHost(robot_, "", networks).programs.back().env.empty()) << "It does not run here.";
+  descriptions_[1].state =
+      "x.S";  // Where a component may move, the program must be reached, but nothing moves into it.
+  const std::map<std::string, std::string> moving = Networks();
+  EXPECT_NE(moving.at("screen").find("\"tcp://10.0.0.1:5650\", channels: [\"hgros/control\", \"image\", \"unused\"]"),
+            std::string::npos)
+      << moving.at("screen");
+  EXPECT_EQ(moving.at("screen").find("\"plan\""), std::string::npos);
+  const RobotGraph graph(robot_, descriptions_);
+  EXPECT_EQ(graph.SubscribersOf(robot_.processes[1]), (std::map<std::string, std::size_t>{{"image", 1}, {"unused", 1}}))
+      << "It starts after the components, so they do not wait for it.";
+}
+
 TEST_F(HostNetworksTest, NeedTheHomeOnlyIfItIsReached) {
   robot_.hosts[0].home = false;
   EXPECT_NE(FaultOf([this] {

@@ -170,6 +170,35 @@ TEST(HgrosMove, AComponentFollowsItsPublisherToAPlaceWhichThatHasLeft) {
   robot.End();
 }
 
+TEST(HgrosRestart, OfAComponentLosesNothingAndRepeatsNothing) {
+  MovingRobot robot;
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  const pid_t process = robot.PidOf("a");
+  int before = robot.Count();
+  for (int times = 0; times < 8; ++times) {  // One right after the other, and while many messages come.
+    const CommandEnd end = robot.Command({"restart", "passing"});
+    EXPECT_EQ(end.status, 0) << end.err << robot.out();
+    EXPECT_EQ(end.out + end.err, "");
+    if (times % 2 == 0) continue;
+    ASSERT_TRUE(test::Await([&] { return robot.Count() > before + 1000; }));
+    before = robot.Count();
+  }
+  EXPECT_EQ(robot.PidOf("a"), process);
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  EXPECT_EQ(robot.Move("b").status, 0) << "What has been constructed again can move.";
+  EXPECT_EQ(robot.Command({"restart", "passing"}).status, 0);
+  EXPECT_TRUE(robot.Ask());
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  before = robot.Count();
+  const CommandEnd count = robot.Command({"call", "count", "{}"});
+  EXPECT_EQ(count.status, 0) << count.err;
+  const std::size_t number = count.out.find_first_of("0123456789");
+  ASSERT_NE(number, std::string::npos) << count.out;
+  EXPECT_GE(std::stoi(count.out.substr(number)), before) << "It has counted all of them.";
+  robot.End();
+  EXPECT_THAT(robot.out(), Not(HasSubstr("error")));
+}
+
 TEST(HgrosMove, SaysWhyItCannot) {
   MovingRobot robot(std::string(kMoving) + "programs: {program: {command: [sleep, 100d]}}\n");
   ASSERT_TRUE(robot.Runs());

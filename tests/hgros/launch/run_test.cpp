@@ -123,6 +123,44 @@ TEST(HgrosRun, HostsWithKeysExchangeMessages) {
   EXPECT_THAT(cart->out(), HasSubstr("It has finished: all 100"));
 }
 
+// The configuration of its session comes from the starter; the file system is shared, so that nothing else may join
+// them.
+TEST(HgrosRun, ProgramsExchangeWhatTheySayWithOtherHosts) {
+  const test::Cable cable;
+  if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "Network namespaces need root.";
+  const std::string hgros = HGROS_COMMAND;
+  const RobotFolder robot(
+      "hosts: {cart: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
+      "discovery: {local: false}\n"
+      "components: {counting: {type: moving/Counting}, counter: {type: relay/Counter}}\n"
+      "processes: {p: {components: [counting, counter]}}\n"
+      "programs:\n"
+      "  hears: {host: base, subscribes: [number], command: [" +
+      hgros +
+      ", echo, number, -n, 3, --field, value]}\n"
+      "  says: {host: base, publishes: [word], command: [" +
+      hgros +
+      ", pub, word, '{value: one}', --type, foxglove.KeyValuePair, --timeout, 15]}\n"
+      "  deaf: {host: base, command: [" +
+      hgros + ", echo, number, --once, --timeout, 3]}\n");
+  const auto start = [&](const std::string& host, const std::string& space) {
+    return std::make_unique<CommandRun>(
+        std::vector<std::string>{"netns", "exec", space, hgros, "run", robot.file(), "--host", host, "--name", host},
+        robot.environment(), -1, "/sbin/ip");
+  };
+  const auto cart = start("cart", cable.left);
+  const auto base = start("base", cable.right);
+  EXPECT_EQ(base->Wait(), 1) << "What says nothing gets nothing: " << base->out() << base->err();
+  const auto exits = [&](const std::string& program) {
+    return testing::ContainsRegex(program + " +error: The process has failed: it ended with exit code");
+  };
+  EXPECT_THAT(base->out(), AllOf(ContainsRegex("hears +\"[0-9]+\"\n.*hears +\"[0-9]+\"\n.*hears +\"[0-9]+\"\n"),
+                                 Not(exits("hears")), Not(exits("says")), exits("deaf")));
+  EXPECT_TRUE(cart->Prints("counts 1.")) << cart->out() << base->out();
+  cart->Signal(SIGINT);
+  EXPECT_EQ(cart->Wait(), 128 + SIGINT);
+}
+
 TEST(HgrosRun, AHostThatIsNamedMustExist) {
   const RobotFolder robot(
       "hosts: {base: {address: 10.198.0.2}}\ncomponents: {a: {type: relay/Does}}\n"

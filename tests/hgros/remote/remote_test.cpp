@@ -54,6 +54,29 @@ TEST(HgrosRemote, StartsProcessesAndProgramsOverSshAndBringsTheirLogBack) {
   EXPECT_TRUE(host.IsLeftClean()) << host.Left();
 }
 
+TEST(HgrosRemote, ProgramsExchangeWhatTheySay) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const std::string hgros = HGROS_COMMAND;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components: {counting: {type: moving/Counting}, counter: {type: relay/Counter}}\n"
+                          "programs:\n"
+                          "  hears: {host: base, subscribes: [number], command: [" +
+                          hgros +
+                          ", echo, number, -n, 3, --field, value]}\n"
+                          "  says: {host: base, publishes: [word], command: [" +
+                          hgros + ", pub, word, '{value: one}', --type, foxglove.KeyValuePair, --timeout, 15]}\n");
+  const auto run = host.Run(robot);
+  EXPECT_TRUE(run->Prints("counts 1.")) << run->out() << run->err();
+  EXPECT_TRUE(test::Await([&] {
+    const std::string out = run->out();
+    return std::regex_search(out, std::regex("hears +\"[0-9]+\"\n[^]*hears +\"[0-9]+\"\n[^]*hears +\"[0-9]+\"\n"));
+  })) << run->out();
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
+  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+}
+
 TEST(HgrosRemote, HostsWithKeysExchangeMessages) {
   const SshHost host;
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;

@@ -139,6 +139,12 @@ class ExportSystemd final : public Export {
   [[nodiscard]] std::vector<ExportedFile> Write(const ExportedRobot& exported) const override;
   void CheckHosts(const RobotFile& robot) const override {
     RequireHost(robot, host_);
+    for (const RobotProgram& one : robot.programs) {
+      if (robot.hosts.empty() || !one.declares()) continue;
+      throw Error(
+          "Only `hgros run` tells \"" + one.name + "\" how it reaches the other hosts.", one.at.ToString(),
+          "Leave out what it publishes, subscribes to, serves and calls, and give it a configuration of its own.");
+    }
     if (!host_.empty()) return;
     const auto refuse_far = [](const RobotUnit& one) {
       if (one.host.empty()) return;

@@ -1,0 +1,294 @@
+// A component that runs is constructed again in its place.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <foxglove/PoseInFrame.pb.h>
+
+#include "hgros/base/error.hpp"
+#include "hgros/component/component.hpp"
+#include "hgros/component/component_error.hpp"
+#include "hgros/component/components.hpp"
+#include "session/domain_fixture.hpp"
+#include "support/await.hpp"
+
+namespace hgros::test {
+namespace {
+
+using foxglove::PoseInFrame;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+PoseInFrame PoseOf(std::int64_t number) {
+  PoseInFrame pose;
+  pose.set_frame_id(std::to_string(number));
+  return pose;
+}
+
+std::vector<int> NumbersTo(int last) {
+  std::vector<int> numbers(static_cast<std::size_t>(last));
+  std::iota(numbers.begin(), numbers.end(), 1);
+  return numbers;
+}
+
+std::atomic<int> instances = 0;
+
+// Adds up the numbers that it gets, publishes them again, and serves the sum.
+class Summing {
+ public:
+  explicit Summing(Context& context) : context_(context), passed_(context.Advertise<PoseInFrame>("passed")) {
+    if (context.Declare("broken", false)) throw std::runtime_error("there is no abacus");
+    const auto depth = static_cast<std::size_t>(context.Declare("depth", 100'000));
+    context.FromAny<PoseInFrame>("number", Invoke::kSerial, [this](const PoseInFrame& pose) { Take(pose); },
+                                 {.queue = Queue::KeepAll(depth)});
+    if (context.Declare("beside", true)) {
+      context.FromAny<PoseInFrame>("beside", Invoke::kSerial, [this](const PoseInFrame&) { ++besides; });
+    }
+    context.Serve<PoseInFrame, PoseInFrame>("sum", [this](const PoseInFrame&) { return PoseOf(sum_); });
+    context.CreateTimer("tick", std::chrono::milliseconds(1), [this](const Tick&) { ++ticks; });
+    ++instances;
+  }
+  ~Summing() { --instances; }
+  Summing(const Summing&) = delete;
+  Summing& operator=(const Summing&) = delete;
+
+  void Activate() { active = true; }
+  [[nodiscard]] PoseInFrame Save() const { return PoseOf(sum_); }
+  void Restore(const PoseInFrame& state) { sum_ = std::stoll(state.frame_id()); }
+
+  static constexpr int kHang = -1;
+  static constexpr int kHearMore = -2;
+  std::atomic<bool> active = false;
+  std::atomic<int> ticks = 0;
+  std::atomic<int> besides = 0;
+  std::atomic<int> more = 0;
+  std::atomic<bool> hangs = false;
+  Door door;
+
+ private:
+  void Take(const PoseInFrame& pose) {
+    const int number = std::stoi(pose.frame_id());
+    if (number == kHang) {
+      hangs = true;
+      return door.Pass();
+    }
+    if (number == kHearMore) {
+      return context_.FromAny<PoseInFrame>("more", Invoke::kSerial, [this](const PoseInFrame&) { ++more; });
+    }
+    sum_ += number;
+    (void)passed_(std::make_unique<PoseInFrame>(pose));
+  }
+  Context& context_;
+  Publisher<PoseInFrame> passed_;
+  std::int64_t sum_ = 0;
+};
+HGROS_COMPONENT(Summing, "test/Summing")
+
+struct NoState {
+  explicit NoState(Context&) {}
+};
+HGROS_COMPONENT(NoState, "test/UnsavedAgain")
+
+constexpr std::chrono::seconds kCallbacks{2};
+
+ComponentSetup SummingSetup(std::vector<ParamOverride> params = {}) {
+  ComponentSetup setup{.name = "summing", .type = "test/Summing"};
+  setup.params.overrides = std::move(params);
+  return setup;
+}
+
+class ConstructAgainTest : public DomainFixture {
+ protected:
+  ConstructAgainTest()
+      : number_(outside_.Advertise<PoseInFrame>("number")),
+        beside_(outside_.Advertise<PoseInFrame>("beside")),
+        more_(outside_.Advertise<PoseInFrame>("more")),
+        passed_(outside_.FromAny<PoseInFrame>("passed", Invoke::kSerial,
+                                              [this](const PoseInFrame& pose) {
+                                                const std::scoped_lock lock(mutex_);
+                                                seen_.push_back(std::stoi(pose.frame_id()));
+                                              },
+                                              {.queue = Queue::KeepAll(100'000)})) {
+    components_.Add(SummingSetup());
+    components_.Add({.name = "unsaved", .type = "test/UnsavedAgain"});
+    components_.Join();
+    components_.Start();
+  }
+  void SetUp() override {
+    ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+    ASSERT_TRUE(session_.WaitForSubscribers("passed", 1, kPatience));
+  }
+  static void Publish(const Publisher<PoseInFrame>& to, int number) {
+    while (to(PoseOf(number)) == PublishStatus::kFull) Linger(std::chrono::milliseconds(1));
+  }
+  [[nodiscard]] std::vector<int> seen() const {
+    const std::scoped_lock lock(mutex_);
+    return seen_;
+  }
+  [[nodiscard]] bool Sees(std::size_t count) {
+    return Await([&] { return seen().size() >= count; });
+  }
+  [[nodiscard]] Summing& summing() const { return *components_.Find<Summing>("summing"); }
+  // A call that waits when the object ends fails, and can be repeated.
+  [[nodiscard]] std::string Sum() {
+    for (const auto end = std::chrono::steady_clock::now() + kPatience;;) {
+      const auto sum = outside_.Call<PoseInFrame, PoseInFrame>("sum", PoseInFrame(), std::chrono::seconds(5)).Wait();
+      if (sum) return sum->frame_id();
+      if (std::chrono::steady_clock::now() > end) return sum.failure().reason;
+    }
+  }
+
+  mutable std::mutex mutex_;
+  std::vector<int> seen_;
+  Session outside_{Config::Parse("discovery: {lan: false}"), {.name = "outside"}};
+  Session session_{Config::Parse("discovery: {lan: false}"), {.name = "place"}};
+  Components components_{session_};
+  Publisher<PoseInFrame> number_;
+  Publisher<PoseInFrame> beside_;
+  Publisher<PoseInFrame> more_;
+  Subscription passed_;
+};
+
+class ConstructAgainFlow : public ConstructAgainTest, public testing::WithParamInterface<bool> {};
+
+TEST_P(ConstructAgainFlow, NothingIsLostDoubledOrOvertaken) {
+  constexpr int kBetween = 1000;
+  constexpr int kTimes = 12;
+  const bool inside = GetParam();  // Published in the same session, or in another one.
+  const auto here = session_.Advertise<PoseInFrame>("number");
+  std::atomic<bool> enough = false;
+  int last = 0;
+  std::thread publisher([&] {
+    std::mt19937 random(7);
+    while (!enough) {
+      Publish(inside ? here : number_, ++last);
+      if (random() % 64 == 0) Linger(std::chrono::microseconds(random() % 3000));
+    }
+  });
+  int times = 0;
+  for (; times < kTimes && Sees(seen().size() + kBetween); ++times) {
+    const Summing* const before = &summing();
+    std::string saved;
+    components_.ConstructAgain(SummingSetup(), kCallbacks, [&](const auto& state) {
+      EXPECT_EQ(&summing(), before);
+      saved = state->schema->type_name;
+    });
+    EXPECT_EQ(saved, "foxglove.PoseInFrame");
+    EXPECT_EQ(instances, 1);
+    EXPECT_TRUE(summing().active);
+  }
+  EXPECT_EQ(times, kTimes);
+  enough = true;
+  publisher.join();
+  (void)Sees(static_cast<std::size_t>(last));
+  EXPECT_EQ(seen(), NumbersTo(last));
+  EXPECT_EQ(Sum(), std::to_string(std::int64_t{last} * (last + 1) / 2));
+  EXPECT_TRUE(Await([&] { return summing().ticks > 3; }));
+}
+INSTANTIATE_TEST_SUITE_P(Places, ConstructAgainFlow, testing::Bool(),
+                         [](const auto& one) { return one.param ? "SameSession" : "OtherSession"; });
+
+TEST_F(ConstructAgainTest, CallsAreAnsweredBeforeAndAfterwards) {
+  Publish(number_, 4);
+  ASSERT_TRUE(Sees(1));
+  std::atomic<bool> ends = false;
+  std::atomic<int> answers = 0;
+  std::thread caller([&] {
+    while (!ends) {
+      EXPECT_EQ(Sum(), "4");
+      ++answers;
+    }
+  });
+  for (int i = 1; i <= 5; ++i) {
+    ASSERT_TRUE(Await([&] { return answers >= i; }));
+    components_.ConstructAgain(SummingSetup(), kCallbacks);
+  }
+  const int before = answers;
+  EXPECT_TRUE(Await([&] { return answers > before + 2; }));
+  ends = true;
+  caller.join();
+}
+
+// The next instance may subscribe otherwise, because its parameters have changed.
+TEST_F(ConstructAgainTest, InputsThatTheNextInstanceDoesNotWantEnd) {
+  ASSERT_TRUE(outside_.WaitForSubscribers("beside", 1, kPatience));
+  Publish(number_, 1);
+  Publish(beside_, 1);
+  ASSERT_TRUE(Await([&] { return summing().besides == 1; }));
+  ASSERT_TRUE(Sees(1));
+  components_.ConstructAgain(SummingSetup({{"beside", "false", "test"}, {"depth", "50", "test"}}), kCallbacks);
+  EXPECT_TRUE(Await([&] { return !outside_.WaitForSubscribers("beside", 1, std::chrono::nanoseconds(0)); }));
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  Publish(number_, 2);
+  EXPECT_TRUE(Sees(2)) << "Subscribed with another queue.";
+  components_.ConstructAgain(SummingSetup(), kCallbacks);
+  ASSERT_TRUE(outside_.WaitForSubscribers("beside", 1, kPatience));
+  Publish(beside_, 1);
+  EXPECT_TRUE(Await([&] { return summing().besides == 1; }));
+  Publish(number_, 3);
+  EXPECT_TRUE(Sees(3));
+  EXPECT_THAT(seen(), ElementsAre(1, 2, 3));
+  EXPECT_EQ(Sum(), "6");
+}
+
+TEST_F(ConstructAgainTest, ASubscriptionOfACallbackEndsWithItsObject) {
+  Publish(number_, Summing::kHearMore);
+  ASSERT_TRUE(outside_.WaitForSubscribers("more", 1, kPatience));
+  Publish(more_, 1);
+  ASSERT_TRUE(Await([&] { return summing().more == 1; }));
+  components_.ConstructAgain(SummingSetup(), kCallbacks);
+  EXPECT_TRUE(Await([&] { return !outside_.WaitForSubscribers("more", 1, std::chrono::nanoseconds(0)); }));
+  Publish(number_, Summing::kHearMore);
+  ASSERT_TRUE(outside_.WaitForSubscribers("more", 1, kPatience));
+  Publish(more_, 1);
+  EXPECT_TRUE(Await([&] { return summing().more == 1; }));
+}
+
+TEST_F(ConstructAgainTest, WhatCannotBeSavedRunsOn) {
+  EXPECT_THAT([&] { components_.ConstructAgain({.name = "unsaved", .type = "test/UnsavedAgain"}, kCallbacks); },
+              ThrowsMessage<Error>(HasSubstr("Give it Save() and Restore()")));
+  EXPECT_THROW(components_.ConstructAgain({.name = "nobody", .type = "test/Summing"}, kCallbacks), Error);
+  Publish(number_, Summing::kHang);
+  ASSERT_TRUE(Await([&] { return summing().hangs.load(); }));
+  const Summing* const before = &summing();
+  EXPECT_THAT([&] { components_.ConstructAgain(SummingSetup(), std::chrono::milliseconds(20)); },
+              ThrowsMessage<Error>(HasSubstr("a callback of it has not returned")));
+  EXPECT_EQ(&summing(), before);
+  summing().door.Open();
+  Publish(number_, 1);
+  EXPECT_TRUE(Sees(1));
+}
+
+TEST_F(ConstructAgainTest, NothingIsLeftOfOneThatCannotBeConstructed) {
+  Publish(number_, 1);
+  ASSERT_TRUE(Sees(1));
+  EXPECT_THAT(
+      [&] {
+        components_.ConstructAgain(SummingSetup({{"broken", "true", "test"}}), kCallbacks);
+      },
+      ThrowsMessage<ComponentError>(HasSubstr("there is no abacus")));
+  EXPECT_EQ(components_.Find<Summing>("summing"), nullptr);
+  EXPECT_EQ(instances, 0);
+  EXPECT_TRUE(Await([&] { return !outside_.WaitForSubscribers("number", 1, std::chrono::nanoseconds(0)); }));
+  components_.Add(SummingSetup());
+  components_.Join();
+  components_.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  Publish(number_, 2);
+  EXPECT_TRUE(Sees(2));
+}
+
+}  // namespace
+}  // namespace hgros::test
