@@ -12,8 +12,8 @@
 #include <string_view>
 #include <thread>
 
-#include "component_host.hpp"
 #include "hgros/base/error.hpp"
+#include "hosted/component_host.hpp"
 
 namespace hgros::python {
 namespace {

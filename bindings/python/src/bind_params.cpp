@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "context_handle.hpp"
 #include "hgros/params/param_server.hpp"
 #include "hgros/params/param_service.hpp"
+#include "hosted/context_handle.hpp"
 #include "inbox.hpp"
 #include "session_handle.hpp"
 

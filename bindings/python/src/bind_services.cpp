@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "bindings.hpp"
-#include "context_handle.hpp"
 #include "hgros/component/raw_context.hpp"
 #include "hgros/session/node_timer.hpp"
+#include "hosted/context_handle.hpp"
 #include "service_handle.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"

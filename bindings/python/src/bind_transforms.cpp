@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "bindings.hpp"
-#include "context_handle.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "hosted/context_handle.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"
 

@@ -1,4 +1,4 @@
-#include "context_handle.hpp"
+#include "hosted/context_handle.hpp"
 
 #include <utility>
 

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "hgros/component/context.hpp"
+#include "hosted/work_desk.hpp"
 #include "session_handle.hpp"
-#include "work_desk.hpp"
 
 namespace hgros::python {
 

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "bindings.hpp"
-#include "component_host.hpp"
-#include "context_handle.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/component/raw_context.hpp"
+#include "hosted/component_host.hpp"
+#include "hosted/context_handle.hpp"
 
 namespace hgros::python {
 namespace {
