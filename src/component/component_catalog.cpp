@@ -78,12 +78,17 @@ ComponentCatalog::ComponentCatalog(std::vector<path> folders) : folders_(std::mo
 
 void ComponentCatalog::Read(const path& manifest) {
   const yaml::Document document = yaml::Document::Load(manifest);
-  const yaml::Section section(yaml::Value(document), "a map with library and components", {"library", "components"});
+  const yaml::Section section(yaml::Value(document), "a map with library, and components or language",
+                              {"library", "components", "language"});
   ComponentLibrary library{manifest, path(section.Require("library").Text("the path of a shared library")), {}};
   if (library.file.is_relative()) library.file = manifest.parent_path() / library.file;
   library.file = std::filesystem::absolute(library.file).lexically_normal();
-  for (const yaml::Value& type : section.Require("components").List("a list of component types")) {
-    library.types.push_back(type.Text("the name of a component type"));
+  if (const auto language = section.Find("language")) {
+    library.language = language->Text("the name of a language");
+  } else {
+    for (const yaml::Value& type : section.Require("components").List("a list of component types")) {
+      library.types.push_back(type.Text("the name of a component type"));
+    }
   }
   std::ranges::sort(library.types);
   libraries_.push_back(std::move(library));
@@ -96,7 +101,13 @@ const ComponentLibrary& ComponentCatalog::Find(std::string_view type) const {
     all.insert(all.end(), one.types.begin(), one.types.end());
   }
   std::string mend;
-  if (const std::string nearest = NearestName(type, all); !nearest.empty()) {
+  if (type.find(':') != std::string_view::npos) {
+    const auto python = std::ranges::find(libraries_, "python", &ComponentLibrary::language);
+    if (python != libraries_.end()) return *python;
+    mend =
+        "It is a class of Python, and hgros is installed without Python here. Install python3-dev and pybind11-dev, "
+        "and build it again; or name the folder of python.yaml in HGROS_COMPONENT_PATH.";
+  } else if (const std::string nearest = NearestName(type, all); !nearest.empty()) {
     mend = "Did you mean \"" + nearest + "\"?";
   } else {
     mend = "Install its library, or name the folder of its manifest in HGROS_COMPONENT_PATH. Looked in:";
@@ -112,7 +123,7 @@ const ComponentType& ComponentCatalog::Load(std::string_view type) const {
   if (std::ranges::find(known, type) == known.end()) {
     const ComponentLibrary& library = Find(type);
     const std::vector<std::string> loaded = LoadComponents(library.file);
-    if (std::ranges::find(loaded, type) == loaded.end()) {
+    if (library.language.empty() && std::ranges::find(loaded, type) == loaded.end()) {
       throw Error("The library " + library.file.string() + " has no component type \"" + std::string(type) + "\".",
                   library.manifest.string(), "Build and install it again.");
     }

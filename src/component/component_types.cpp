@@ -8,6 +8,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/codec/run_time_type.hpp"
 #include "hgros/component/component.hpp"
 
 namespace hgros {
@@ -18,6 +19,7 @@ struct KnownTypes {
   std::mutex mutex;
   std::map<std::string, ComponentType, std::less<>> types;  // Entries stay.
   std::map<std::string, std::string, std::less<>> faults;   // Names that cannot be used, and why.
+  ComponentFinder finder = nullptr;
 };
 
 // Never destroyed: libraries may register while the process ends.
@@ -26,11 +28,18 @@ KnownTypes& Known() {
   return known;
 }
 
-// The file that the code of this type is in.
-std::string FileOf(const ComponentType& type) {
+// The file that a function is in.
+template <class Function>
+std::string FileOf(Function* function) {
   Dl_info info{};
-  if (dladdr(reinterpret_cast<void*>(type.construct), &info) == 0 || info.dli_fname == nullptr) return "the program";
+  if (dladdr(reinterpret_cast<void*>(function), &info) == 0 || info.dli_fname == nullptr) return "the program";
   return info.dli_fname;
+}
+std::string FileOf(const ComponentType& type) { return FileOf(type.construct); }
+
+bool IsSameFile(const std::string& one, const std::string& other) {
+  std::error_code error;
+  return std::filesystem::equivalent(one, other, error);
 }
 
 }  // namespace
@@ -48,9 +57,25 @@ bool RegisterComponent(ComponentType type) noexcept {
   return true;
 }
 
-const ComponentType& FindComponentType(std::string_view name) {
+bool RegisterComponentFinder(ComponentFinder finder) noexcept {
   KnownTypes& known = Known();
   const std::scoped_lock lock(known.mutex);
+  known.finder = finder;
+  return true;
+}
+
+const TypeInfo& RawStateType(const MessageSchema& schema) { return RunTimeType(schema); }
+
+const ComponentType& FindComponentType(std::string_view name) {
+  KnownTypes& known = Known();
+  std::unique_lock lock(known.mutex);
+  if (known.finder != nullptr && name.find(':') != std::string_view::npos && !known.types.contains(name)) {
+    const ComponentFinder find = known.finder;
+    lock.unlock();  // It may take long, and register other types.
+    ComponentType found = find(name);
+    lock.lock();
+    return known.types.try_emplace(std::string(name), std::move(found)).first->second;
+  }
   if (const auto fault = known.faults.find(name); fault != known.faults.end()) {
     throw Error(fault->second, {}, "Rename one of them in its HGROS_COMPONENT.");
   }
@@ -83,11 +108,10 @@ std::vector<std::string> LoadComponents(const std::filesystem::path& library) {
   KnownTypes& known = Known();
   const std::scoped_lock lock(known.mutex);
   for (const auto& [name, type] : known.types) {
-    std::error_code error;
-    if (std::filesystem::equivalent(FileOf(type), path, error)) names.push_back(name);
+    if (IsSameFile(FileOf(type), path)) names.push_back(name);
   }
   dlclose(handle);  // RTLD_NODELETE: it stays.
-  if (names.empty()) {
+  if (names.empty() && !(known.finder != nullptr && IsSameFile(FileOf(known.finder), path))) {
     throw Error("The library " + path + " has no component.", {},
                 "Add HGROS_COMPONENT(Class, \"package/Name\") to it.");
   }

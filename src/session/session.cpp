@@ -104,16 +104,17 @@ Subscription SessionSubscribing::SubscribeGraph(Channel& channel, const TypeInfo
   return subscribing_core_.SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
 }
 
-Service SessionServices::ServeRaw(std::string_view name, const MessageSchema& request, const MessageSchema& reply,
-                                  RawHandler handler, Invoke invoke, NodeOptions options, const CallSite& where) {
-  const TypeInfo& reply_body = RunTimeType(reply);
-  auto answer = [handler = std::move(handler),
-                 schema = reply_body.run_time->schema](const AnyMessage& message) -> AnyMessage {
+AnyHandler SessionParts::HandlerOf(RawHandler handler, const TypeInfo& reply) {
+  return [handler = std::move(handler), schema = reply.run_time->schema](const AnyMessage& message) -> AnyMessage {
     const Payload data = handler(*static_cast<const RawMessage*>(message.get()));
     return std::make_shared<const RawMessage>(RawMessage{schema, OwnedPayload(data)});
   };
+}
+Service SessionServices::ServeRaw(std::string_view name, const MessageSchema& request, const MessageSchema& reply,
+                                  RawHandler handler, Invoke invoke, NodeOptions options, const CallSite& where) {
+  const TypeInfo& reply_body = RunTimeType(reply);
   return ServeAny(name, {RunTimeCallType(request), RunTimeCallType(reply), RunTimeType(request), reply_body},
-                  std::move(answer), invoke, std::move(options), where);
+                  SessionParts::HandlerOf(std::move(handler), reply_body), invoke, std::move(options), where);
 }
 CallFuture<RawMessage> SessionServices::CallRaw(std::string_view name, const MessageSchema& request_schema,
                                                 const Payload& request, const MessageSchema& reply,

@@ -53,6 +53,15 @@ TEST_F(ComponentCatalogTest, HasWhatTheManifestsDescribe) {
   EXPECT_EQ(catalog.Find("words/Source").manifest, folder_ / "second" / "words.yaml");
 }
 
+TEST_F(ComponentCatalogTest, FindsClassesOfPythonInTheLibraryOfThatLanguage) {
+  EXPECT_THAT([&] { (void)Catalog().Find("robot.parts:Arm"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("\"robot.parts:Arm\""), HasSubstr("class of Python"))));
+  Write("first/python.yaml", "library: /usr/lib/libpython_components.so\nlanguage: python\n");
+  EXPECT_EQ(Catalog().Find("robot.parts:Arm").file, "/usr/lib/libpython_components.so");
+  EXPECT_THAT(Catalog().Find("robot.parts:Arm").types, IsEmpty());
+  EXPECT_THAT([&] { (void)Catalog().Find("robot/Arm"); }, ThrowsMessage<Error>(HasSubstr("no component type")));
+}
+
 TEST_F(ComponentCatalogTest, PrefersEarlierFolders) {
   Write("first/words.yaml", "library: /new/libwords.so\ncomponents: [words/Source]\n");
   Write("second/words.yaml", "library: /old/libwords.so\ncomponents: [words/Source]\n");

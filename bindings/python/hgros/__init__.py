@@ -15,6 +15,7 @@
 
 from ._hgros import MessageInfo
 from .bulk import data, image, message, points
+from .component import Client, Context
 from .errors import ConfigError, Error, PublishError, QueueFull, SessionClosed, TypeMismatch
 from .parameters import ParamError, Parameters
 from .publisher import Publisher
@@ -27,7 +28,7 @@ from .subscription import Subscription
 from .timers import Rate, Tick, Timer
 from .transforms import TransformError, Transforms
 
-__all__ = ["Call", "CallError", "ChannelSnapshot", "ChannelTraffic", "ConfigError", "Error", "KeepAll", "KeepLast",
+__all__ = ["Call", "CallError", "ChannelSnapshot", "ChannelTraffic", "Client", "ConfigError", "Context", "Error", "KeepAll", "KeepLast",
            "KnownChannel", "MessageInfo", "Messages", "NodeSnapshot", "ParamError", "Parameters", "Peer", "PublishError",
            "Publisher", "QueueFull", "Rate", "Service", "Session", "SessionClosed", "SessionSnapshot", "Subscription",
            "Tick", "Timer", "Times", "TransformError", "Transforms", "TypeMismatch", "data", "image", "leases",

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Sequence, TypeVar
+from typing import Any, Callable, Protocol, Sequence, TypeVar
 
 from . import _hgros
 from .callbacks import Handler, check_callback
 from .errors import Error
 from .log_relay import logger
 
-if TYPE_CHECKING:
-    from .session import Session
+
+class _Owner(Protocol):
+    """A session or a context."""
+
+    def _new_inbox(self) -> tuple[int, _hgros.Inbox]: ...
+    def _add(self, key: int, handler: Handler) -> None: ...
+
 
 V = TypeVar("V", bool, int, float, str, list[int], list[float], list[str])
 Changed = Callable[[list[str]], object]
@@ -39,14 +44,15 @@ class _Watch(Handler):
 
 
 class Parameters:
-    """Parameters from the session's file and from `HGROS_PARAM_...` of the environment; `Session.params`.
+    """Parameters from the session's file and from `HGROS_PARAM_...` of the environment; `Session.params`. Those of a
+    component are from the robot file; `Context.params`.
 
     Other sessions read and set them under the session's name, as with `hgros param`. Bounds are checked for every change,
     wherever it comes from. Made when it is first used.
     """
 
-    def __init__(self, session: Session, raw: _hgros.Params) -> None:
-        self._session = session
+    def __init__(self, owner: _Owner, raw: _hgros.Params) -> None:
+        self._owner = owner
         self._raw = raw
         self._types: dict[str, type[Any]] = {}
 
@@ -90,10 +96,10 @@ class Parameters:
 
         def decorate(callback: AnyChanged) -> AnyChanged:
             check_callback(callback, 1, f'parameter "{path}"')
-            key, inbox = self._session._new_inbox()
+            key, inbox = self._owner._new_inbox()
             inbox.keep_last(1024)
             self._raw.watch(path, inbox)
-            self._session._add(key, _Watch(inbox, path, callback))
+            self._owner._add(key, _Watch(inbox, path, callback))
             return callback
 
         return decorate

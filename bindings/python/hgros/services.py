@@ -11,7 +11,7 @@ from . import _hgros
 from .callbacks import Handler
 from .errors import Error
 from .log_relay import logger
-from .message_types import decoder, schema_of
+from .message_types import decoder
 from .stream import until_woken
 
 R = TypeVar("R")
@@ -29,8 +29,8 @@ class CallError(Error):
 class Call(Generic[R]):
     """A reply that may still come: `call.result()`, or `await call` in asyncio. Dropping it ignores the reply."""
 
-    def __init__(self, session: _hgros.Session, name: str, request: Message, reply_type: type[Message] | None,
-                 timeout: float, deadlocks: bool) -> None:
+    def __init__(self, begin: Callable[[_hgros.Inbox], _hgros.CallTicket], name: str, reply_type: type[Message] | None,
+                 deadlocks: bool) -> None:
         self._name = name
         self._reply_type = reply_type
         self._deadlocks = deadlocks
@@ -40,9 +40,7 @@ class Call(Generic[R]):
         self._error: CallError | None = None
         self._ended = False
         self._lock = threading.Lock()
-        reply = None if reply_type is None else schema_of(reply_type)
-        self._ticket = _hgros.call(session, name, schema_of(type(request)), request.SerializeToString(), reply, timeout,
-                                   self._inbox)
+        self._ticket = begin(self._inbox)
 
     def done(self) -> bool:
         return self._end()

@@ -332,7 +332,10 @@ class Session:
         Without a type of the reply, it is that of the server. Errors are raised as CallError by result() and await.
         """
         deadlocks = name in self._serving and self._spinner == threading.get_ident()
-        return Call(self._use(), name, request, reply_type, timeout, deadlocks)
+        native, schema, data = self._use(), schema_of(type(request)), request.SerializeToString()
+        reply = None if reply_type is None else schema_of(reply_type)
+        return Call(lambda inbox: _hgros.call(native, name, schema, data, reply, timeout, inbox), name, reply_type,
+                    deadlocks)
 
     @overload
     def serve(self, name: str, request_type: type[Request], reply_type: type[Reply],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -20,11 +21,13 @@ async def until_woken(ready: _hgros.ReadyList) -> None:
 
     loop = asyncio.get_running_loop()
     woken: asyncio.Future[None] = loop.create_future()
-    loop.add_reader(ready.fileno(), _wake, woken)
+    own = os.dup(ready.fileno())  # A loop has one reader for a descriptor, and several tasks may wait.
+    loop.add_reader(own, _wake, woken)
     try:
         await woken
     finally:
-        loop.remove_reader(ready.fileno())
+        loop.remove_reader(own)
+        os.close(own)
 
 
 def _wake(woken: asyncio.Future[None]) -> None:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <variant>
@@ -42,13 +43,19 @@ struct Request {
   std::shared_ptr<Answer> answer;
 };
 
+/// What a thread of Python does for a thread of the library, which waits for the answer without the GIL.
+struct Work {
+  std::function<std::string()> run;
+  std::shared_ptr<Answer> answer;
+};
+
 /// Paths of parameters that have changed.
 struct ParamsChanged {
   std::vector<std::string> paths;
 };
 
 /// What an Inbox holds. None of it belongs to Python, so any thread may drop it without the GIL.
-using Arrival = std::variant<Heard, LogLine, Tick, CallEnded, Request, ParamsChanged>;
+using Arrival = std::variant<Heard, LogLine, Tick, CallEnded, Request, ParamsChanged, Work>;
 
 [[nodiscard]] inline std::size_t BytesOf(const Arrival& arrival) noexcept {
   const auto* heard = std::get_if<Heard>(&arrival);

@@ -26,11 +26,6 @@ struct Envelope {
 
 py::bytes AsPyBytes(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-py::object WireOf(Payload data) {
-  if (data.bytes.size() <= kCopiedBytes) return AsPyBytes(data.bytes);
-  return py::cast(MakeOwned<Wire>(std::move(data)));
-}
-
 py::object ToPython(LogLine& line) { return py::make_tuple(static_cast<int>(line.level), py::str(line.text)); }
 
 py::object ToPython(const Tick& tick) {
@@ -50,6 +45,8 @@ py::object ToPython(Request& request) {
 }
 
 py::object ToPython(const ParamsChanged& changed) { return py::cast(changed.paths); }
+
+py::object ToPython(Work& work) { return py::cast(std::move(work)); }
 
 py::list TakeFrom(Inbox& inbox, std::size_t most) {
   std::vector<Arrival> taken = inbox.Take(most);
@@ -112,6 +109,13 @@ void BindInfo(py::module_& module) {
 }
 
 }  // namespace
+
+py::object WireOf(Payload data) {
+  if (data.bytes.size() <= kCopiedBytes) return AsPyBytes(data.bytes);
+  return py::cast(MakeOwned<Wire>(std::move(data)));
+}
+
+py::object InfoOf(const MessageInfo& info) { return py::cast(Envelope{info}); }
 
 void BindInbox(py::module_& module) {
   BindInfo(module);

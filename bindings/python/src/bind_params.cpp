@@ -12,33 +12,43 @@
 #include "bindings.hpp"
 #include "hgros/params/param_server.hpp"
 #include "hgros/params/param_service.hpp"
+#include "hosted/context_handle.hpp"
 #include "inbox.hpp"
 #include "session_handle.hpp"
 
 namespace hgros::python {
 namespace {
 
-// The parameters of a session's program, which other sessions can read and set.
+// The parameters of a session's program, which other sessions can read and set, or of a component.
 class ParamsHandle : public OfProcess {
  public:
   ParamsHandle(std::shared_ptr<Session> session, const std::optional<std::string>& file)
-      : server_({.files = FilesOf(file), .overrides = ParamOverridesOfEnvironment()}),
+      : server_(std::in_place, ParamSources{.files = FilesOf(file), .overrides = ParamOverridesOfEnvironment()}),
         session_(std::move(session)),
-        service_(std::in_place, *session_, server_) {}
+        service_(std::in_place, *session_, *server_) {}
+  explicit ParamsHandle(std::shared_ptr<ContextHandle> context) : context_(std::move(context)) {}
 
-  /// Errors: throws Error in a forked child.
-  [[nodiscard]] ParamServer& server() {
+  /// Errors: throws Error in a forked child, and after the end of the component.
+  [[nodiscard]] std::shared_ptr<ParamServer> server() {
     RefuseInChild();
-    return server_;
+    if (!context_) return {std::shared_ptr<const void>(), &*server_};
+    auto used = std::make_shared<ContextHandle::Used>(context_->Use());
+    ParamServer& server = (*used)->params();
+    return {std::move(used), &server};
+  }
+  template <class T>
+  [[nodiscard]] T Declare(const std::string& path, const T& fallback, ParamInfo info) {
+    return context_ ? context_->Use()->Declare<T>(path, fallback, std::move(info))
+                    : server()->Declare<T>(path, fallback, std::move(info));
   }
   void Watch(const std::string& path, const std::shared_ptr<Inbox>& inbox) {
-    auto listening = server().OnChange(path, [inbox](const ParamEvent& event) {
+    auto listening = server()->OnChange(path, [inbox](const ParamEvent& event) {
       ParamsChanged changed;
       for (const auto& one : event.paths) changed.paths.push_back(one.ToString());
       inbox->Push(std::move(changed));
     });
     const std::scoped_lock lock(mutex_);
-    if (session_) listening_.push_back(std::move(listening));
+    if (session_ || context_) listening_.push_back(std::move(listening));
   }
   // The server stays: its values can still be read.
   void End() {
@@ -57,7 +67,8 @@ class ParamsHandle : public OfProcess {
     return {std::filesystem::path(*file)};
   }
 
-  ParamServer server_;
+  const std::shared_ptr<ContextHandle> context_;  // Null: the parameters of a program.
+  std::optional<ParamServer> server_;
   std::shared_ptr<Session> session_;
   std::optional<ParamService> service_;
   std::mutex mutex_;
@@ -118,9 +129,9 @@ ParamNode ToNode(const py::handle& value) {
 }
 
 template <class T>
-py::object Declare(ParamServer& server, const std::string& path, const T& fallback, ParamInfo info) {
+py::object Declare(ParamsHandle& handle, const std::string& path, const T& fallback, ParamInfo info) {
   const py::gil_scoped_release released;
-  const T value = server.Declare<T>(path, fallback, std::move(info));
+  const T value = handle.Declare<T>(path, fallback, std::move(info));
   const py::gil_scoped_acquire acquired;
   return py::cast(value);
 }
@@ -133,23 +144,22 @@ bool AllAre(const py::list& list) {
   return true;
 }
 
-py::object DeclareList(ParamServer& server, const std::string& path, const py::list& fallback, ParamInfo info) {
+py::object DeclareList(ParamsHandle& handle, const std::string& path, const py::list& fallback, ParamInfo info) {
   if (AllAre<py::str>(fallback)) {
-    return Declare(server, path, fallback.cast<std::vector<std::string>>(), std::move(info));
+    return Declare(handle, path, fallback.cast<std::vector<std::string>>(), std::move(info));
   }
   if (AllAre<py::int_>(fallback)) {
-    return Declare(server, path, fallback.cast<std::vector<std::int64_t>>(), std::move(info));
+    return Declare(handle, path, fallback.cast<std::vector<std::int64_t>>(), std::move(info));
   }
-  return Declare(server, path, fallback.cast<std::vector<double>>(), std::move(info));
+  return Declare(handle, path, fallback.cast<std::vector<double>>(), std::move(info));
 }
 
 py::object DeclareAny(ParamsHandle& handle, const std::string& path, const py::object& fallback, ParamInfo info) {
-  ParamServer& server = handle.server();
-  if (py::isinstance<py::bool_>(fallback)) return Declare(server, path, fallback.cast<bool>(), std::move(info));
-  if (py::isinstance<py::int_>(fallback)) return Declare(server, path, fallback.cast<std::int64_t>(), std::move(info));
-  if (py::isinstance<py::float_>(fallback)) return Declare(server, path, fallback.cast<double>(), std::move(info));
-  if (py::isinstance<py::str>(fallback)) return Declare(server, path, fallback.cast<std::string>(), std::move(info));
-  if (py::isinstance<py::list>(fallback)) return DeclareList(server, path, fallback.cast<py::list>(), std::move(info));
+  if (py::isinstance<py::bool_>(fallback)) return Declare(handle, path, fallback.cast<bool>(), std::move(info));
+  if (py::isinstance<py::int_>(fallback)) return Declare(handle, path, fallback.cast<std::int64_t>(), std::move(info));
+  if (py::isinstance<py::float_>(fallback)) return Declare(handle, path, fallback.cast<double>(), std::move(info));
+  if (py::isinstance<py::str>(fallback)) return Declare(handle, path, fallback.cast<std::string>(), std::move(info));
+  if (py::isinstance<py::list>(fallback)) return DeclareList(handle, path, fallback.cast<py::list>(), std::move(info));
   throw py::type_error("The default of a parameter is a bool, a number, a text, or a list of numbers or texts.");
 }
 
@@ -161,7 +171,7 @@ std::string Set(ParamsHandle& handle, const py::dict& values) {
     changes.push_back(std::move(change));
   }
   const py::gil_scoped_release released;
-  return handle.server().Change(changes).refusal;
+  return handle.server()->Change(changes).refusal;
 }
 
 }  // namespace
@@ -172,10 +182,12 @@ void BindParams(py::module_& module) {
              return MakeOwned<ParamsHandle>(session.Use(), file);
            }),
            Released(), py::arg("session"), py::arg("file"))
+      .def(py::init([](const std::shared_ptr<ContextHandle>& context) { return MakeOwned<ParamsHandle>(context); }),
+           py::arg("context"))
       .def("get",
-           [](ParamsHandle& handle, const std::string& path) { return ToPython(handle.server().Snapshot().At(path)); })
+           [](ParamsHandle& handle, const std::string& path) { return ToPython(handle.server()->Snapshot().At(path)); })
       .def("has",
-           [](ParamsHandle& handle, const std::string& path) { return handle.server().Snapshot().At(path).exists(); })
+           [](ParamsHandle& handle, const std::string& path) { return handle.server()->Snapshot().At(path).exists(); })
       .def(
           "declare",
           [](ParamsHandle& handle, const std::string& path, const py::object& fallback, const std::string& description,
@@ -188,7 +200,7 @@ void BindParams(py::module_& module) {
       .def("set", &Set, py::arg("values"))
       .def("watch", &ParamsHandle::Watch, Released(), py::arg("path"), py::arg("inbox"))
       .def(
-          "save", [](ParamsHandle& handle) { handle.server().Save(); }, Released())
+          "save", [](ParamsHandle& handle) { handle.server()->Save(); }, Released())
       .def("end", &ParamsHandle::End, Released());
 }
 

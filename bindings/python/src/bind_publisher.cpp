@@ -48,7 +48,8 @@ int PublishBytes(const PublisherHandle& publisher, const py::bytes& data, std::o
   py::ssize_t size = 0;
   if (PyBytes_AsStringAndSize(data.ptr(), &begin, &size) != 0) throw py::error_already_set();
   const Bytes bytes(reinterpret_cast<const std::byte*>(begin), static_cast<std::size_t>(size));
-  if (bytes.size() < kHeldGilBytes && !timeout_s) return static_cast<int>(publisher.Publish(bytes, {}));
+  if (bytes.size() < kHeldGilBytes && !timeout_s && !publisher.beside_others())
+    return static_cast<int>(publisher.Publish(bytes, {}));
   return static_cast<int>(PublishOrWait(publisher, bytes, timeout_s));
 }
 

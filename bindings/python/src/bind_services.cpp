@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "bindings.hpp"
+#include "hgros/component/raw_context.hpp"
 #include "hgros/session/node_timer.hpp"
+#include "hosted/context_handle.hpp"
 #include "service_handle.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"
@@ -47,21 +49,45 @@ class TimerHandle : public OfProcess {
   NodeTimer timer_;
 };
 
+auto EndInto(const std::shared_ptr<Inbox>& inbox) {
+  return [inbox](const CallResult<RawMessage>& result) {
+    if (result) {
+      inbox->Push(CallEnded{*result, {}, {}});
+    } else {
+      const CallFailure& failure = result.failure();
+      inbox->Push(CallEnded{{}, std::string(ToString(failure.kind)), failure.reason});
+    }
+  };
+}
+
 Owned<TicketHandle> Call(const SessionHandle& handle, const std::string& name, const MessageSchema& request_schema,
                          const std::string& request, const MessageSchema* reply, double timeout_s,
                          const std::shared_ptr<Inbox>& inbox) {
-  auto ticket = handle.Use()->CallRaw(
-      name, request_schema, Payload{AsBytes(request), nullptr}, reply != nullptr ? *reply : MessageSchema{},
-      Nanoseconds(timeout_s), [inbox](const CallResult<RawMessage>& result) {
-        if (result) {
-          inbox->Push(CallEnded{*result, {}, {}});
-        } else {
-          const CallFailure& failure = result.failure();
-          inbox->Push(CallEnded{{}, std::string(ToString(failure.kind)), failure.reason});
-        }
-      });
+  auto ticket =
+      handle.Use()->CallRaw(name, request_schema, Payload{AsBytes(request), nullptr},
+                            reply != nullptr ? *reply : MessageSchema{}, Nanoseconds(timeout_s), EndInto(inbox));
   return MakeOwned<TicketHandle>(std::move(ticket));
 }
+
+// Calls one service for a component.
+class ClientHandle : public OfProcess {
+ public:
+  ClientHandle(std::shared_ptr<ContextHandle> context, const std::string& name, const MessageSchema& request,
+               const MessageSchema& reply)
+      : context_(std::move(context)), client_(RawContext(*context_->Use().context).Client(name, request, reply)) {}
+
+  [[nodiscard]] Owned<TicketHandle> Call(const std::string& request, double timeout_s,
+                                         const std::shared_ptr<Inbox>& inbox) const {
+    RefuseInChild();
+    const ContextHandle::Used used = context_->Use();
+    return MakeOwned<TicketHandle>(
+        client_.Call(Payload{AsBytes(request), nullptr}, Nanoseconds(timeout_s), EndInto(inbox)));
+  }
+
+ private:
+  const std::shared_ptr<ContextHandle> context_;
+  const RawServiceClient client_;
+};
 
 Owned<ServiceHandle> Serve(const SessionHandle& handle, const std::string& name, const MessageSchema& request,
                            const MessageSchema& reply, const std::shared_ptr<Inbox>& inbox) {
@@ -89,6 +115,12 @@ void BindServices(py::module_& module) {
   py::class_<TicketHandle, Owned<TicketHandle>>(module, "CallTicket", "A call that is under way.")
       .def("cancel", &TicketHandle::Cancel, Released())
       .def("refuse_in_child", &TicketHandle::RefuseInChild);
+  py::class_<ClientHandle, Owned<ClientHandle>>(module, "Client", "Calls one service for a component.")
+      .def(py::init([](const std::shared_ptr<ContextHandle>& context, const std::string& name,
+                       const MessageSchema& request,
+                       const MessageSchema& reply) { return MakeOwned<ClientHandle>(context, name, request, reply); }),
+           Released(), py::arg("context"), py::arg("name"), py::arg("request"), py::arg("reply"))
+      .def("call", &ClientHandle::Call, Released(), py::arg("request"), py::arg("timeout"), py::arg("inbox"));
   py::class_<ServiceHandle, Owned<ServiceHandle>>(module, "Service", "Keeps a service.")
       .def("end", &ServiceHandle::End, Released());
   py::class_<TimerHandle, Owned<TimerHandle>>(module, "Timer", "Keeps a timer.")

@@ -23,11 +23,6 @@ Config ConfigOf(const std::optional<std::string>& file, const std::optional<std:
   return text ? Config::Parse(*text, "text") : Config::OfEnvironment();
 }
 
-Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes) {
-  if (!lossless) return Queue::KeepLast(depth);
-  return Queue::KeepAll(depth, limit_bytes > 0 ? limit_bytes : Queue::kUnlimitedBytes);
-}
-
 void BindSubscription(py::module_& module) {
   py::class_<SubscriptionHandle, Owned<SubscriptionHandle>>(module, "Subscription", "Keeps a subscription.")
       .def("end", &SubscriptionHandle::End, Released())
@@ -42,6 +37,11 @@ void BindSubscription(py::module_& module) {
 }
 
 }  // namespace
+
+Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes) {
+  if (!lossless) return Queue::KeepLast(depth);
+  return Queue::KeepAll(depth, limit_bytes > 0 ? limit_bytes : Queue::kUnlimitedBytes);
+}
 
 void BindSession(py::module_& module) {
   BindSubscription(module);
@@ -76,8 +76,12 @@ void BindSession(py::module_& module) {
           "advertise",
           [](SessionHandle& one, const std::string& channel, const MessageSchema& schema, std::size_t latched) {
             const auto session = one.Use();
+            auto lend = [weak = std::weak_ptr(session), channel](std::size_t size_bytes) {
+              const auto open = weak.lock();
+              return open ? open->Loan<Block>(channel, size_bytes) : nullptr;
+            };
             return MakeOwned<PublisherHandle>(
-                session, channel, session->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}));
+                std::move(lend), session->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}));
           },
           Released(), py::arg("channel"), py::arg("schema"), py::arg("latched"))
       .def(

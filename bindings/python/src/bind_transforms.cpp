@@ -12,6 +12,7 @@
 #include "bindings.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "hosted/context_handle.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"
 
@@ -21,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Matrix = std::array<double, 16>;  // Row by row.
 
-// The transforms of a session, which must end before it.
+// The transforms of a session, which must end before it, or of a component.
 class TransformsHandle : public OfProcess {
  public:
   // Whoever uses the transforms keeps their session, too. The transforms are destroyed first.
@@ -32,13 +33,19 @@ class TransformsHandle : public OfProcess {
   };
 
   explicit TransformsHandle(std::shared_ptr<Session> session) : kept_(std::make_shared<Kept>(std::move(session))) {}
+  explicit TransformsHandle(std::shared_ptr<ContextHandle> context) : context_(std::move(context)) {}
   /// Release it without the GIL: it may be the last one. Errors: throws Error after End(), and in a
   /// forked child.
-  [[nodiscard]] std::shared_ptr<Kept> used() const {
+  [[nodiscard]] std::shared_ptr<Transforms> used() const {
     RefuseInChild();
+    if (context_) {
+      auto used = std::make_shared<ContextHandle::Used>(context_->Use());
+      Transforms& transforms = (*used)->transforms();
+      return {std::move(used), &transforms};
+    }
     const std::scoped_lock lock(mutex_);
     if (!kept_) throw Error("The session of the transforms is closed.");
-    return kept_;
+    return {kept_, &kept_->transforms};
   }
   void End() {
     if (of_parent()) return;
@@ -50,6 +57,7 @@ class TransformsHandle : public OfProcess {
  private:
   mutable std::mutex mutex_;
   std::shared_ptr<Kept> kept_;
+  const std::shared_ptr<ContextHandle> context_;
 };
 
 RigidTransform FromMatrix(const Matrix& rows) {
@@ -81,13 +89,13 @@ py::tuple ToPython(const TransformResult& result) {
   return py::make_tuple(ToMatrix(result->T_target_source), result->stamp.nanoseconds, "", "");
 }
 
-using Used = std::shared_ptr<TransformsHandle::Kept>;
+using Used = std::shared_ptr<Transforms>;
 
 TransformResult Find(const TransformsHandle& handle, const std::string& target, const std::string& source,
                      std::optional<std::int64_t> stamp_ns) {
   const py::gil_scoped_release released;
   const Used used = handle.used();
-  return stamp_ns ? used->transforms.FromTF(target, source, Time{*stamp_ns}) : used->transforms.FromTF(target, source);
+  return stamp_ns ? used->FromTF(target, source, Time{*stamp_ns}) : used->FromTF(target, source);
 }
 
 // Between two parts of a wait nothing is kept, so the session can close.
@@ -95,7 +103,7 @@ TransformResult WaitPart(const TransformsHandle& handle, const std::string& targ
                          std::optional<std::int64_t> stamp_ns, Clock::time_point deadline) {
   const py::gil_scoped_release released;
   const Used used = handle.used();
-  TransformTree& tree = used->transforms.tree();
+  TransformTree& tree = used->tree();
   TransformQuery query(tree.Frame(target), tree.Frame(source));
   if (stamp_ns) query.source_time = Time{*stamp_ns};
   const auto left = std::chrono::duration_cast<Duration>(deadline - Clock::now());
@@ -118,8 +126,8 @@ std::string Send(const TransformsHandle& handle, const std::string& parent, cons
                  const Matrix& pose, std::optional<std::int64_t> stamp_ns) {
   const RigidTransform T_parent_child = FromMatrix(pose);
   const Used used = handle.used();
-  return stamp_ns ? used->transforms.ToTF(Time{*stamp_ns}, parent, child, T_parent_child).text()
-                  : used->transforms.ToStaticTF(parent, child, T_parent_child).text();
+  return stamp_ns ? used->ToTF(Time{*stamp_ns}, parent, child, T_parent_child).text()
+                  : used->ToStaticTF(parent, child, T_parent_child).text();
 }
 
 }  // namespace
@@ -128,11 +136,13 @@ void BindTransforms(py::module_& module) {
   py::class_<TransformsHandle, Owned<TransformsHandle>>(module, "Transforms", "The transforms of a session.")
       .def(py::init([](const SessionHandle& session) { return MakeOwned<TransformsHandle>(session.Use()); }),
            Released(), py::arg("session"))
+      .def(py::init([](const std::shared_ptr<ContextHandle>& context) { return MakeOwned<TransformsHandle>(context); }),
+           py::arg("context"))
       .def("lookup", &Lookup, py::arg("target"), py::arg("source"), py::arg("stamp_ns"), py::arg("timeout"))
       .def("end", &TransformsHandle::End, Released())
       .def("send", &Send, Released(), py::arg("parent"), py::arg("child"), py::arg("pose"), py::arg("stamp_ns"))
       .def(
-          "flush", [](const TransformsHandle& handle) { handle.used()->transforms.Flush(); }, Released());
+          "flush", [](const TransformsHandle& handle) { handle.used()->Flush(); }, Released());
 }
 
 }  // namespace hgros::python

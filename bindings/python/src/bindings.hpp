@@ -2,10 +2,21 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstddef>
+
+#include "hgros/base/bytes.hpp"
+#include "hgros/graph/message_info.hpp"
+#include "hgros/graph/queue.hpp"
+
 namespace hgros::python {
 
 namespace py = pybind11;
 using Released = py::call_guard<py::gil_scoped_release>;
+
+/// The bytes of a message as Python gets them: small ones as a copy, others where they arrived.
+[[nodiscard]] py::object WireOf(Payload data);
+[[nodiscard]] py::object InfoOf(const MessageInfo& info);
+[[nodiscard]] Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes);
 
 // Each function adds the classes of one subject to the module.
 void BindInbox(py::module_& module);
@@ -16,5 +27,6 @@ void BindParams(py::module_& module);
 void BindTransforms(py::module_& module);
 void BindSnapshot(py::module_& module);
 void BindSession(py::module_& module);
+void BindComponents(py::module_& module);  // What components in Python are made of.
 
 }  // namespace hgros::python

@@ -20,4 +20,5 @@ PYBIND11_MODULE(_hgros, module) {
   python::BindParams(module);
   python::BindTransforms(module);
   python::BindSnapshot(module);
+  python::BindComponents(module);
 }

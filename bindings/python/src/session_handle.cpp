@@ -88,8 +88,8 @@ PublishStatus PublisherHandle::Publish(const Payload& data,
 
 Block PublisherHandle::Loan(std::size_t size_bytes) const {
   RefuseInChild();
-  const auto session = session_.lock();
-  return session ? std::move(*session->Loan<Block>(channel_, size_bytes)) : Block::Allocate(size_bytes);
+  const std::unique_ptr<Block> lent = lend_(size_bytes);
+  return lent ? std::move(*lent) : Block::Allocate(size_bytes);
 }
 
 }  // namespace hgros::python

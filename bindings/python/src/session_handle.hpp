@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -63,8 +64,15 @@ class SessionHandle : public OfProcess {
 /// child.
 class PublisherHandle : public OfProcess {
  public:
-  PublisherHandle(std::shared_ptr<Session> session, std::string channel, RawPublisher publish)
-      : session_(session), channel_(std::move(channel)), publish_(std::move(publish)) {}
+  /// Memory for a message; empty once there is no session any more.
+  using Lender = std::function<std::unique_ptr<Block>(std::size_t size_bytes)>;
+
+  /// `beside_others`: nodes that are not of Python may run in the publishing thread, and may wait for a callback of
+  /// Python. So it must never have the GIL.
+  PublisherHandle(Lender lend, RawPublisher publish, bool beside_others = false)
+      : lend_(std::move(lend)), publish_(std::move(publish)), beside_others_(beside_others) {}
+
+  [[nodiscard]] bool beside_others() const noexcept { return beside_others_; }
 
   /// Copies the bytes once, into memory that receivers read if there is such memory. Call it without the GIL if it may
   /// take long: with many bytes or a time to wait.
@@ -74,9 +82,9 @@ class PublisherHandle : public OfProcess {
   [[nodiscard]] Block Loan(std::size_t size_bytes) const;
 
  private:
-  std::weak_ptr<Session> session_;
-  std::string channel_;
+  Lender lend_;
   RawPublisher publish_;
+  bool beside_others_;
 };
 
 /// What this thread's callback in Python handles; empty outside callbacks.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hgros/base/export.hpp"
+#include "hgros/codec/raw_message.hpp"
 #include "hgros/component/context.hpp"
 #include "hgros/internal/component/component_of.hpp"
 
@@ -47,13 +48,20 @@ template <Component C>
 /// name are an error when that name is used. Returns true.
 HGROS_EXPORT bool RegisterComponent(ComponentType type) noexcept;
 
-/// The registered type of that name. Throws Error naming the nearest one.
+/// Finds types of a form MODULE:CLASS by their names, in another language. Throws Error if there is no such type.
+using ComponentFinder = ComponentType (*)(std::string_view name);
+/// For ComponentType::state of a class whose states are RawMessages. Throws Error if the schema does not name a type.
+[[nodiscard]] HGROS_EXPORT const TypeInfo& RawStateType(const MessageSchema& schema);
+/// For a library with the components of a language: it calls this while it is loaded. Returns true.
+HGROS_EXPORT bool RegisterComponentFinder(ComponentFinder finder) noexcept;
+
+/// The registered type of that name, or the one that a finder finds. Throws Error naming the nearest one.
 [[nodiscard]] HGROS_EXPORT const ComponentType& FindComponentType(std::string_view name);
 /// The names of all registered types, sorted.
 [[nodiscard]] HGROS_EXPORT std::vector<std::string> ComponentTypeNames();
 
 /// Loads a shared library with components, which stays loaded until the process ends, and returns the names of its
-/// types. Throws Error if it cannot be loaded or has no component.
+/// types. Throws Error if it cannot be loaded, or has neither a component nor a finder.
 HGROS_EXPORT std::vector<std::string> LoadComponents(const std::filesystem::path& library);
 
 }  // namespace hgros

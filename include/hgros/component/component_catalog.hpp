@@ -15,6 +15,7 @@ struct ComponentLibrary {
   std::filesystem::path manifest;  ///< FOLDER/NAME.yaml, written by hgros_add_components().
   std::filesystem::path file;      ///< Of the library; absolute.
   std::vector<std::string> types;  ///< Such as "slam2d/Mapper"; sorted.
+  std::string language = {};       ///< "python": it finds the types MODULE:CLASS by their names, and `types` is empty.
 };
 
 /// Where manifests are looked for, the first ones first: the folders of HGROS_COMPONENT_PATH (separated by colons),

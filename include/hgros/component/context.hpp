@@ -135,6 +135,7 @@ class HGROS_EXPORT Context {
   void Fail(std::string sentence);
 
  private:
+  friend class RawContext;
   [[nodiscard]] Session& session() noexcept;
   [[nodiscard]] bool NoteFault(std::string_view param, const ParamError& fault);
   [[nodiscard]] std::string NameHere(std::string_view name);

@@ -32,12 +32,14 @@ class ComponentsCommand final : public Command {
   [[nodiscard]] std::string Description() const override {
     return "Shows the component types of the installed libraries: their channels, services and parameters. Each is "
            "constructed once, in a process of its own, where nothing of it runs. Libraries are found by their "
-           "manifests, "
-           "in the folders of HGROS_COMPONENT_PATH and in share/hgros/components.";
+           "manifests, in the folders of HGROS_COMPONENT_PATH and in share/hgros/components. A component in Python is "
+           "named by its "
+           "module and class.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros components", "Lists all components."},
             {"hgros components words/Counter", "Shows channels, types and parameters of one."},
+            {"hgros components my_module:Tracker", "Shows a class of Python in the current folder or PYTHONPATH."},
             {"hgros components --library ./libwords.so", "Lists those of a library that is not installed."}};
   }
   int Run(Surroundings& surroundings) override;
@@ -73,11 +75,17 @@ std::vector<TriedLibrary> ComponentsCommand::Try(Surroundings& surroundings) con
   for (const std::string& fault : catalog.faults()) surroundings.console.Say(Visible(fault));
   if (!wanted_.empty()) {
     for (const std::string& one : wanted_) {
-      tried.push_back(TryLibrary(catalog.Find(one).file, {one}, surroundings.pause));
+      const ComponentLibrary& library = catalog.Find(one);
+      if (library.language.empty()) {
+        tried.push_back(TryLibrary(library.file, {one}, surroundings.pause));
+      } else {  // It finds its types by their names.
+        tried.push_back({library.file, TryComponents({{.name = one, .type = one}}, catalog, surroundings.pause), {}});
+      }
     }
     return tried;
   }
   for (const ComponentLibrary& one : catalog.libraries()) {
+    if (!one.language.empty()) continue;  // Its types are known only to the programs that name them.
     tried.push_back(TryLibrary(one.file, one.types, surroundings.pause));
   }
   return tried;

@@ -60,6 +60,8 @@ class SessionParts {
                                  std::move(options));
   }
   using ServiceTypes = SessionServices::CallTypes;
+  // A handler of bytes for Serve, whose replies are of the type `reply`, known at run time.
+  [[nodiscard]] static AnyHandler HandlerOf(RawHandler handler, const TypeInfo& reply);
   [[nodiscard]] Service Serve(std::string_view name, const ServiceTypes& types, AnyHandler handler, Invoke invoke,
                               NodeOptions options, const CallSite& where) {
     return session_.ServeAny(name, types, std::move(handler), invoke, std::move(options), where);

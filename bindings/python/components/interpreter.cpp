@@ -1,0 +1,117 @@
+// The component library of Python: starts the interpreter when a class of Python is first asked for. All else is in the
+// module `hgros._hgros`, which the interpreter loads.
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <dlfcn.h>
+
+#include <exception>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "hgros/base/error.hpp"
+#include "hosted/component_host.hpp"
+
+namespace hgros::python {
+namespace {
+
+using std::filesystem::path;
+
+path ThisLibrary() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<void*>(&ThisLibrary), &info) == 0 || info.dli_fname == nullptr) return {};
+  return info.dli_fname;
+}
+
+// The folder with the package `hgros`, in which this library is.
+path PackageFolder() {
+  std::error_code error;
+  return std::filesystem::canonical(ThisLibrary(), error).parent_path().parent_path();
+}
+
+// The one of the virtual environment, or else the one for which the package was built.
+std::string Program() {
+  const char* environment = std::getenv("VIRTUAL_ENV");
+  if (environment != nullptr && *environment != '\0') return std::string(environment) + "/bin/python3";
+  return HGROS_PYTHON_PROGRAM;
+}
+
+void Require(const PyStatus& status) {
+  if (PyStatus_Exception(status) == 0) return;
+  throw Error("Python cannot be started: " +
+              std::string(status.err_msg != nullptr ? status.err_msg : "its configuration cannot be used") + ".");
+}
+
+[[noreturn]] void ThrowRaised() {
+  PyObject* type = nullptr;
+  PyObject* value = nullptr;
+  PyObject* trace = nullptr;
+  PyErr_Fetch(&type, &value, &trace);
+  PyObject* text = value != nullptr ? PyObject_Str(value) : nullptr;
+  const char* letters = text != nullptr ? PyUnicode_AsUTF8(text) : nullptr;
+  throw Error(
+      "The package hgros of Python cannot be used: " + std::string(letters != nullptr ? letters : "unknown") + ".", {},
+      "Install python3-protobuf, and use the Python for which hgros was built.");
+}
+
+// First the current folder, as `python3 -m` has it, and PYTHONPATH; then the package beside this library.
+void AddFolders() {
+  PyObject* folders = PySys_GetObject("path");
+  const std::string current = std::filesystem::current_path().string();
+  for (const std::string& folder : {PackageFolder().string(), current}) {
+    PyObject* text = PyUnicode_DecodeFSDefault(folder.c_str());
+    if (folders == nullptr || text == nullptr || PyList_Insert(folders, 0, text) != 0) ThrowRaised();
+    Py_DECREF(text);
+  }
+}
+
+void Initialize() {
+  // Modules in C find the interpreter's functions only if they are visible to all, and so is what this library needs.
+  if (dlopen(ThisLibrary().c_str(), RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD) == nullptr) {
+    throw Error("The library " + ThisLibrary().string() + " cannot be loaded again: " + dlerror() + ".");
+  }
+  PyConfig config;
+  PyConfig_InitPythonConfig(&config);
+  const std::unique_ptr<PyConfig, decltype(&PyConfig_Clear)> cleared(&config, &PyConfig_Clear);
+  config.install_signal_handlers = 0;  // The process has its own.
+  config.parse_argv = 0;
+  config.buffered_stdio = 0;  // What a component prints is in the log at once.
+  Require(PyConfig_SetBytesString(&config, &config.program_name, Program().c_str()));
+  Require(Py_InitializeFromConfig(&config));
+}
+
+// The thread that Python takes for its main one. It stays until the process ends, so the interpreter is never
+// finalized.
+void RunInterpreter(const std::shared_ptr<std::promise<const ComponentHost*>>& started) {
+  const ComponentHost* host = nullptr;
+  try {
+    Initialize();
+    AddFolders();
+    PyObject* module = PyImport_ImportModule("hgros.component_host");  // It stays.
+    if (module == nullptr) ThrowRaised();
+    host = static_cast<const ComponentHost*>(PyCapsule_Import(kComponentHost, 0));
+    if (host == nullptr) ThrowRaised();
+  } catch (...) {
+    if (Py_IsInitialized() != 0) PyEval_SaveThread();
+    return started->set_exception(std::current_exception());
+  }
+  started->set_value(host);
+  host->serve();
+}
+
+ComponentType Find(std::string_view name) {
+  static const std::shared_future<const ComponentHost*> host = [] {
+    auto started = std::make_shared<std::promise<const ComponentHost*>>();
+    std::thread([started] { RunInterpreter(started); }).detach();
+    return started->get_future().share();
+  }();
+  return host.get()->find(name);
+}
+
+[[maybe_unused]] const bool kRegistered = RegisterComponentFinder(&Find);
+
+}  // namespace
+}  // namespace hgros::python

@@ -1,0 +1,282 @@
+"""Components in Python, run by the command `hgros` in processes of its own."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import tempfile
+import time
+
+from support import DEADLINE_S, RobotTest, main, wait_until
+
+import hgros
+from foxglove.KeyValuePair_pb2 import KeyValuePair
+from foxglove.Vector2_pb2 import Vector2
+
+HGROS = os.environ["HGROS_COMMAND"]
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "python.md"
+
+PARTS = """
+import time
+
+import hgros
+from foxglove.KeyValuePair_pb2 import KeyValuePair
+from foxglove.Vector2_pb2 import Vector2
+
+
+class Numbers:
+    def __init__(self, context):
+        self.context = context
+        self.number = 0
+        self.most = context.params.declare("most", 1_000_000, "The last number", least=1)
+        self.numbers = context.advertise("number", Vector2)
+        context.timer(0.002, self.send, name="send")
+
+    def send(self, tick):
+        if self.number < self.most:
+            self.number += 1
+            self.numbers.publish(Vector2(x=self.number))
+
+
+class Sum:
+    def __init__(self, context):
+        self.state = KeyValuePair(key="0", value="0")  # How many, and their sum.
+        self.sums = context.advertise("sum", KeyValuePair)
+        self.fails_at = context.params.declare("fails_at", 0, "The number at which the callback raises")
+        context.subscribe("number", Vector2, self.add, queue=hgros.KeepAll(1000))
+
+    def add(self, number, info):
+        if number.x == self.fails_at:
+            raise ValueError("this number is not added")
+        self.state = KeyValuePair(key=str(int(self.state.key) + 1), value=str(int(self.state.value) + int(number.x)))
+        self.sums.publish(self.state)
+
+    def save(self) -> KeyValuePair:
+        return self.state
+
+    def restore(self, state: KeyValuePair) -> None:
+        self.state = state
+
+
+class Doubler:
+    def __init__(self, context):
+        context.serve("double", Vector2, Vector2, lambda request: Vector2(x=2 * request.x))
+
+
+class Caller:
+    def __init__(self, context):
+        self.context = context
+        self.double = context.client("double", Vector2, Vector2)
+        self.own = context.client("own", Vector2, Vector2)
+        self.sums = context.advertise("sum", KeyValuePair)
+        context.serve("own", Vector2, Vector2, lambda request: request)
+        context.timer(0.02, self.call, name="call")
+
+    def call(self, tick):
+        try:
+            self.own.call(Vector2(), timeout=5.0).result()
+        except hgros.CallError as fault:
+            self.sums.publish(KeyValuePair(key=fault.kind, value=str(self.double.call(Vector2(x=4)).result().x)))
+
+
+class Words:
+    def __init__(self, context):
+        self.words = context.advertise("word", KeyValuePair)
+        self.reset = context.client("reset", KeyValuePair, KeyValuePair)
+        self.sums = context.advertise("sum", KeyValuePair)
+        context.timer(0.02, self.send, name="send")
+
+    def send(self, tick):
+        self.words.publish(KeyValuePair(value="a"))
+        self.sums.publish(self.reset.call(KeyValuePair(key="back", value="again")).result())
+
+
+class Busy:
+    def __init__(self, context):
+        context.timer(0.01, self.work, name="work")
+
+    def work(self, tick):
+        print("busy")
+        while True:
+            pass
+
+
+class Ends:
+    def __init__(self, context):
+        self.context = context
+        self.how = context.params.declare("how", "finish", "How it ends", choices=["finish", "fail"])
+
+    def activate(self):
+        self.context.log.warning("It ends by %s.", self.how)
+        getattr(self.context, self.how)("as told")
+
+
+class Broken:
+    def __init__(self, context):
+        raise ValueError("no such port")
+
+
+class Vague:
+    def __init__(self, context):
+        pass
+
+    def save(self):
+        return Vector2()
+
+    def restore(self, state):
+        pass
+"""
+
+
+class Components(RobotTest):
+    def setUp(self):
+        super().setUp()
+        self.folder = pathlib.Path(self.opened.enter_context(tempfile.TemporaryDirectory()))
+        (self.folder / "parts.py").write_text(PARTS)
+
+    def hgros(self, *arguments):
+        return subprocess.run([HGROS, *arguments], cwd=self.folder, text=True, capture_output=True, timeout=60)
+
+    def robot(self, text):
+        """Starts a robot, whose log is in the file `log`."""
+        (self.folder / "robot.yaml").write_text(text)
+        log = self.opened.enter_context((self.folder / "log").open("w"))
+        process = subprocess.Popen([HGROS, "run", "robot.yaml"], cwd=self.folder, stdout=log, stderr=log,
+                                   stdin=subprocess.DEVNULL)
+        self.opened.callback(lambda: process.poll() is None and (process.kill(), process.wait()))
+        return process
+
+    def log(self):
+        return (self.folder / "log").read_text()
+
+    def sums(self):
+        return self.opened.enter_context(self.session().messages("sum", KeyValuePair, timeout=DEADLINE_S,
+                                                                 queue=hgros.KeepAll(100_000)))
+
+    def check_sum(self, message):
+        """All numbers up to this one were added, each once."""
+        self.assertEqual(int(message.value), int(message.key) * (int(message.key) + 1) // 2)
+
+    def test_what_a_class_uses_is_known_before_it_runs(self):
+        shown = self.hgros("components", "parts:Sum", "parts:Numbers", "parts:Caller", "--json")
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        total, numbers, caller = map(json.loads, shown.stdout.splitlines())
+        self.assertEqual(total["state"], "foxglove.KeyValuePair")
+        self.assertEqual(total["subscribes"], [{"channel": "number", "type": "foxglove.Vector2"}])
+        self.assertEqual(total["publishes"], [{"channel": "sum", "type": "foxglove.KeyValuePair"}])
+        self.assertEqual(numbers["timers"], [{"timer": "send", "period_ns": 2_000_000}])
+        self.assertEqual((numbers["params"][0]["path"], numbers["params"][0]["least"]), ("most", 1))
+        self.assertEqual([one["service"] for one in caller["calls"]], ["double", "own"])
+        self.assertEqual([one["service"] for one in caller["serves"]], ["own"])
+
+    def test_faults_of_a_robot_are_found_before_it_runs(self):
+        (self.folder / "robot.yaml").write_text("components:\n"
+                                                "  a: {type: parts:Numbers, params: {most: 0}}\n"
+                                                "  b: {type: parts:Sum, remap: {nmber: other}}\n")
+        checked = self.hgros("check", "robot.yaml")
+        self.assertEqual(checked.returncode, 1)
+        self.assertIn("most must be at least 1", checked.stdout + checked.stderr)
+        self.assertIn('Did you mean "number"?', checked.stdout + checked.stderr)
+
+    def test_faults_of_classes_name_what_is_wrong(self):
+        (self.folder / "bad.py").write_text("\n\nimport no_such_module\n")
+        (self.folder / "syntax.py").write_text("class :\n")
+        for name, expected in {
+            "parts:Broken": f"ValueError: no such port ({self.folder}/parts.py:",
+            "parts:Brokn": 'Did you mean "Broken"?',
+            "no_such_part:Any": 'Python has no module "no_such_part"',
+            "bad:Any": f"No module named 'no_such_module' ({self.folder}/bad.py:3)",
+            "syntax:Any": "SyntaxError",
+            "parts:Vague": "does not say what `save` returns",
+        }.items():
+            with self.subTest(name):
+                shown = self.hgros("components", name)
+                self.assertEqual(shown.returncode, 1)
+                self.assertIn(expected, shown.stderr)
+        self.assertRegex(self.hgros("components", "parts:Broken").stderr, r'parts\.py", line \d+, in __init__')
+
+    def test_a_move_loses_no_message(self):
+        sums = self.sums()
+        robot = self.robot("components:\n"
+                           "  numbers: {type: parts:Numbers}\n"
+                           "  total: {type: parts:Sum}\n"
+                           "processes:\n"
+                           "  one: {components: [numbers, total]}\n"
+                           "  two: {}\n")
+        self.check_sum(next(sums))
+        for place in ("two", "one", "two"):
+            moved = self.hgros("move", "total", "--to", place)
+            self.assertEqual(moved.returncode, 0, moved.stderr + self.log())
+            before = sums.info.publisher
+            wait_until(lambda: next(sums) and sums.info.publisher != before, "the move")
+            for _ in range(50):
+                self.check_sum(next(sums))
+        robot.send_signal(signal.SIGINT)
+        self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
+
+    def test_a_callback_that_raises_is_logged_and_constructed_again_with_its_state(self):
+        sums = self.sums()
+        robot = self.robot("components:\n"
+                           "  numbers: {type: parts:Numbers}\n"
+                           "  total: {type: parts:Sum, params: {fails_at: 100}, restart: on-exception, "
+                           "checkpoint: 10ms}\n")
+        wait_until(lambda: "It is constructed again" in self.log(), "the restart")
+        wait_until(lambda: int(next(sums).key) > 100, "the count that goes on from the state")
+        self.assertIn("ValueError: this number is not added", self.log())
+        self.assertRegex(self.log(), r'total .*parts\.py", line \d+, in add')
+        robot.send_signal(signal.SIGINT)
+        self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
+
+    def test_components_of_one_process_call_each_other(self):
+        sums = self.sums()
+        self.robot("components:\n  caller: {type: parts:Caller}\n  doubler: {type: parts:Doubler}\n")
+        answer = next(sums)
+        self.assertEqual((answer.key, answer.value), ("would deadlock", "8.0"))
+
+    def test_components_of_both_languages_share_a_process(self):
+        if not any(pathlib.Path(one, "hgros_test_words.yaml").exists()
+                   for one in os.environ["HGROS_COMPONENT_PATH"].split(":")):
+            self.skipTest("the library hgros_test_words is not built")
+        sums = self.sums()
+        self.robot("components:\n"
+                   "  words: {type: parts:Words}\n"
+                   "  counter: {type: words/Counter, nodes: {word: {executor: inline}}}\n")
+        self.assertEqual(next(sums), KeyValuePair(key="back", value="again"))
+
+    def test_ctrl_c_ends_a_callback_that_never_returns(self):
+        robot = self.robot("components:\n  busy: {type: parts:Busy}\n  numbers: {type: parts:Numbers}\n")
+        wait_until(lambda: "busy" in self.log(), "the callback")
+        begun = time.monotonic()
+        robot.send_signal(signal.SIGINT)
+        robot.wait(DEADLINE_S)
+        self.assertLess(time.monotonic() - begun, 5.0)
+
+    def test_finish_and_fail_end_the_robot(self):
+        for how, code in (("finish", 0), ("fail", 1)):
+            with self.subTest(how):
+                robot = self.robot(f"components: {{ends: {{type: 'parts:Ends', params: {{how: {how}}}}}}}\n")
+                self.assertEqual(robot.wait(DEADLINE_S), code, self.log())
+                self.assertIn(f"It ends by {how}.", self.log())
+
+    def test_parameters_change_while_it_runs(self):
+        self.robot("components: {total: {type: 'parts:Sum'}}\n")
+        wait_until(lambda: self.hgros("param", "get", "total", "fails_at").stdout.strip() == "0", "the parameter")
+        self.assertEqual(self.hgros("param", "set", "total", "fails_at", "7").returncode, 0)
+        self.assertEqual(self.hgros("param", "get", "total", "fails_at").stdout.strip(), "7")
+
+    def test_component_of_the_page_works_as_typed(self):
+        blocks = re.findall(r"```(python|yaml)\n(.*?)```", PAGE.read_text(), re.S)
+        code = next(text for kind, text in blocks if kind == "python" and "class Tracker" in text)
+        robot_file = next(text for kind, text in blocks if kind == "yaml" and "tracker:Tracker" in text)
+        (self.folder / "tracker.py").write_text(code)
+        nearest = self.session().messages("nearest", Vector2, timeout=DEADLINE_S)
+        robot = self.robot(robot_file)
+        self.assertEqual(next(nearest).x, 0.75)
+        robot.send_signal(signal.SIGINT)
+        self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
+
+
+if __name__ == "__main__":
+    main()
