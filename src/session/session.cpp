@@ -4,6 +4,7 @@
 
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
+#include "hgros/session/session_parts.hpp"
 #include "session/session_core.hpp"
 
 namespace hgros {
