@@ -8,8 +8,9 @@ set(ENV{DESTDIR})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --strip
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 
-# Components of tests and examples are not part of it.
+# Components of tests and examples are not part of it, only the finder of those in Python.
 file(GLOB_RECURSE manifests ${prefix}/share/hgros/components/*)
+list(REMOVE_ITEM manifests ${prefix}/share/hgros/components/python.yaml)
 if(manifests)
   message(FATAL_ERROR "Components were installed with the library: ${manifests}")
 endif()
