@@ -26,9 +26,9 @@
 //   closes or frees it once; NULL is ignored there. Handles may be closed in any order: those of a closed session do
 //   nothing and return HGROS_CLOSED. What a callback gets is valid until it returns. `user` is passed to each call of
 //   its callback. `release`, if given, is called once with `user` when no callback can come any more, also if the
-//   function has failed, unless the function says otherwise. A callback that closes its own handle is released after it,
-//   on its thread. So what holds inside a callback also holds inside its `release`, except where the program closes the
-//   handle outside callbacks.
+//   function has failed, unless the function says otherwise. A callback that closes its own handle is released after
+//   it, on its thread. So what holds inside a callback also holds inside its `release`, except where the program closes
+//   the handle outside callbacks.
 //
 // Values
 //   Texts are UTF-8 and end with a zero byte. Times and timeouts are nanoseconds; a timeout of 0 does not wait, a

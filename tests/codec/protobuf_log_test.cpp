@@ -8,8 +8,8 @@
 namespace hgros {
 namespace {
 
-int lines = 0;
-void Count(google::protobuf::LogLevel, const char*, int, const std::string&) { ++lines; }
+int said = 0;
+void Count(google::protobuf::LogLevel, const char*, int, const std::string&) { ++said; }
 
 TEST(ProtobufLog, DoesNotRepeatThatTextsAreNotUtf8) {
   google::protobuf::LogHandler* const before = google::protobuf::SetLogHandler(Count);
@@ -19,7 +19,7 @@ TEST(ProtobufLog, DoesNotRepeatThatTextsAreNotUtf8) {
     foxglove::Log log;
     EXPECT_FALSE(log.ParseFromString("\x1a\x01\xff"));  // Field 3, a text of one byte.
   }
-  EXPECT_EQ(lines, 1);
+  EXPECT_EQ(said, 1);
   google::protobuf::SetLogHandler(before);
 }
 

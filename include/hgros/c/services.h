@@ -58,7 +58,8 @@ int32_t hgros_service_descriptor(const hgros_service* service);
 /// HGROS_HANDLER_FAILED.
 void hgros_reply_free(hgros_reply* reply);
 /// Ends a service without a handler and wakes threads that wait in hgros_service_take(): requests that wait fail with
-/// HGROS_SERVER_GONE, also one that was taken and has no reply, and callers no longer find it. The handle stays. May be called while other threads use it.
+/// HGROS_SERVER_GONE, also one that was taken and has no reply, and callers no longer find it. The handle stays. May be
+/// called while other threads use it.
 void hgros_service_end(hgros_service* service);
 
 /// Calls the service `name` with a copy of the bytes and waits for the reply, which the caller frees. `reply_schema`:

@@ -28,9 +28,9 @@ typedef struct hgros_session_options {
 } hgros_session_options;
 
 /// Opens a session with a configuration as YAML text (docs/configuration.md). `yaml` NULL or empty: that of the
-/// variable HGROS_CONFIG, or the default, which finds the sessions of this user on this host; HGROS_DOMAIN is the domain.
-/// `options` may be NULL.
-/// Errors: HGROS_CONFIG_ERROR; HGROS_ERROR if an endpoint cannot be bound or a name cannot be used.
+/// variable HGROS_CONFIG, or the default, which finds the sessions of this user on this host; HGROS_DOMAIN is the
+/// domain. `options` may be NULL. Errors: HGROS_CONFIG_ERROR; HGROS_ERROR if an endpoint cannot be bound or a name
+/// cannot be used.
 hgros_status hgros_session_open(const char* yaml, const hgros_session_options* options, hgros_session** session);
 
 /// The same with `count` files, which are merged.

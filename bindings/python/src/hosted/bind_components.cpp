@@ -162,8 +162,8 @@ void BindContext(py::module_& module) {
 void BindComponents(py::module_& module) {
   py::class_<Work>(module, "Work", "What a thread of the library waits for.").def("__call__", &DoWork);
   BindContext(module);
-  static const ComponentHost kHost{&FindType, &ServeWork};
-  module.add_object("component_host", py::capsule(&kHost, kComponentHost));
+  static const ComponentHost host{&FindType, &ServeWork};
+  module.add_object("component_host", py::capsule(&host, kComponentHost));
 }
 
 }  // namespace hgros::python
