@@ -85,9 +85,9 @@ void Components::Core::ConstructAgain(ComponentSetup setup, std::chrono::nanosec
     for (const auto& gate : one.core.gates()) gate->Hold([] {}, InputGate::Full::kBlocks);
     one.core.SetPlace(ContextCore::Place::kHeld);
   });
-  if (saved) saved(setup.state);
   std::vector<Error> faults;
   try {
+    if (saved) saved(setup.state);
     faults = one.ConstructAgain(setup);
     if (faults.empty()) one.Restore(*setup.state);
   } catch (...) {
@@ -97,8 +97,13 @@ void Components::Core::ConstructAgain(ComponentSetup setup, std::chrono::nanosec
     End(setup.name);
     throw ComponentError(std::move(faults));
   }
-  Join(one);
-  one.Start();
+  try {
+    Join(one);
+    one.Start();
+  } catch (...) {
+    End(setup.name);
+    throw;
+  }
   one.core.EndUnused();
   one.core.SetPlace(ContextCore::Place::kHere);
   one.HandleWaiting();

@@ -51,7 +51,8 @@ void ContextCore::AwaitHere() {
   std::unique_lock lock(mutex_);
   placed_.wait(lock, [this] { return place_ != Place::kHeld; });
   if (place_ == Place::kElsewhere) {
-    throw Error("The component \"" + setup_.name + "\" has moved to another process, or ends.", {}, "Call again.");
+    throw Error("The component \"" + setup_.name + "\" has moved to another process, is constructed again, or ends.",
+                {}, "Call again.");
   }
 }
 

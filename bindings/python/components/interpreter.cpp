@@ -4,6 +4,7 @@
 #include <Python.h>
 #include <dlfcn.h>
 
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <future>
@@ -57,18 +58,21 @@ void Require(const PyStatus& status) {
       "Install python3-protobuf, and use the Python for which hgros was built.");
 }
 
-// First the current folder, as `python3 -m` has it, and PYTHONPATH; then the package beside this library.
-void AddFolders() {
+// Where Python looks for modules.
+void AddFolder(const path& folder, bool first) {
   PyObject* folders = PySys_GetObject("path");
-  const std::string current = std::filesystem::current_path().string();
-  for (const std::string& folder : {PackageFolder().string(), current}) {
-    PyObject* text = PyUnicode_DecodeFSDefault(folder.c_str());
-    if (folders == nullptr || text == nullptr || PyList_Insert(folders, 0, text) != 0) ThrowRaised();
-    Py_DECREF(text);
-  }
+  PyObject* text = PyUnicode_DecodeFSDefault(folder.c_str());
+  const bool added = folders != nullptr && text != nullptr &&
+                     (first ? PyList_Insert(folders, 0, text) : PyList_Append(folders, text)) == 0;
+  if (!added) ThrowRaised();
+  Py_DECREF(text);
 }
 
 void Initialize() {
+  if (Py_IsInitialized() != 0) {
+    throw Error("This program runs Python already, and components in Python need an interpreter of their own.", {},
+                "Start them in a process of their own, by hgros run.");
+  }
   // Modules in C find the interpreter's functions only if they are visible to all, and so is what this library needs.
   if (dlopen(ThisLibrary().c_str(), RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD) == nullptr) {
     throw Error("The library " + ThisLibrary().string() + " cannot be loaded again: " + dlerror() + ".");
@@ -89,13 +93,16 @@ void RunInterpreter(const std::shared_ptr<std::promise<const ComponentHost*>>& s
   const ComponentHost* host = nullptr;
   try {
     Initialize();
-    AddFolders();
+    AddFolder(PackageFolder(), false);                                 // The package beside this library.
     PyObject* module = PyImport_ImportModule("hgros.component_host");  // It stays.
     if (module == nullptr) ThrowRaised();
     host = static_cast<const ComponentHost*>(PyCapsule_Import(kComponentHost, 0));
     if (host == nullptr) ThrowRaised();
+    // As `python3 -m` has it, but not before: a module there must not stand for one of Python's own.
+    const char* safe = std::getenv("PYTHONSAFEPATH");
+    if (safe == nullptr || *safe == '\0') AddFolder(std::filesystem::current_path(), true);
   } catch (...) {
-    if (Py_IsInitialized() != 0) PyEval_SaveThread();
+    if (PyGILState_GetThisThreadState() != nullptr) PyEval_SaveThread();
     return started->set_exception(std::current_exception());
   }
   started->set_value(host);

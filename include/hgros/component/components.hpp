@@ -107,7 +107,8 @@ class HGROS_EXPORT Components {
   /// and can be repeated. ComponentSetup::state is not used. `saved` gets the state as soon as no callback runs.
   ///
   /// Errors: throws Error if the class has no Save, callbacks still run after `patience`, or it cannot be saved; it
-  /// runs on then. Otherwise as Add and Join; what waits is lost then, and after an error of Add nothing is left of it.
+  /// runs on then. Otherwise as Add and Join, or what `saved` throws; what waits is lost then, and nothing is left of
+  /// it.
   void ConstructAgain(const ComponentSetup& setup, std::chrono::nanoseconds patience, const OnSaved& saved = {});
   /// Counts and logs callbacks that run for longer than the deadline and have not returned, each once. Those that have
   /// returned are counted without it.
