@@ -249,13 +249,14 @@ test('CallbacksAreCalledInOrderAndMayFail', async (t) => {
 
 test('WhatWaitsIsWoken', async (t) => {
   const session = open(t);
-  const [closed, ended] = [session.subscribe('a'), session.subscribe('b')];
+  const [closed, ended, late] = [session.subscribe('a'), session.subscribe('b'), session.subscribe('d')];
   const first = closed.next();
   const taken = assert.rejects(closed.take(), { code: 'HGROS_CLOSED' });
   closed.close();
   closed.close();
   assert.deepStrictEqual(await first, { value: undefined, done: true });
   await taken;
+  const patientTake = assert.rejects(late.take({ timeout: 2 ** 31 }), { code: 'HGROS_CLOSED' });
   await assert.rejects(ended.take({ timeout: 5 }), { code: 'HGROS_TIMED_OUT' });
   const loop = (async () => {
     for await (const received of ended) assert.fail(`${received} came`);
@@ -263,7 +264,7 @@ test('WhatWaitsIsWoken', async (t) => {
   session.advertise('c', LOG);
   const waits = assert.rejects(session.waitForSubscribers('c'), { code: 'HGROS_CLOSED' });
   const also = assert.rejects(session.waitForPublishers('c'), { code: 'HGROS_CLOSED' });
-  await Promise.all([session.close(), session.close(), loop, waits, also]);
+  await Promise.all([session.close(), session.close(), loop, waits, also, patientTake]);
 });
 
 test('WhatIsClosedSaysSo', async () => {

@@ -42,6 +42,9 @@ test('ParametersAreDeclaredSetAndWatched', async (t) => {
   assert.strictEqual(session.failures, 2);
   assert.throws(() => params.set('wheel.radius', 2), { code: 'HGROS_REFUSED', message: /1/ });
   assert.throws(() => params.set('wheel.radius', undefined), { code: 'HGROS_INVALID_ARGUMENT' });
+  for (const value of [NaN, Infinity, [1, NaN], { x: -Infinity }]) {
+    assert.throws(() => params.set('gains', value), { code: 'HGROS_INVALID_ARGUMENT', message: /finite/ });
+  }
   watch.close();
   params.set('wheel.radius', 1);
   assert.strictEqual(params.number('wheel.radius'), 1);

@@ -10,9 +10,12 @@ const KINDS = ['bool', 'integer', 'number', 'text', 'numbers'];
 // The numbers of operations in src/params.c.
 const [BOOL, INTEGER, NUMBER, TEXT, YAML, SET, REMOVE, SAVE] = Array(8).keys();
 
-/** A value as YAML, of which JSON is a part. */
+/** A value as YAML, of which JSON is a part. JSON would write null for a number that is not finite. */
 function yamlOf(value, path) {
-  const yaml = typeof value === 'bigint' ? String(value) : JSON.stringify(value);
+  const yaml = typeof value === 'bigint' ? String(value) : JSON.stringify(value, (key, part) => {
+    if (typeof part !== 'number' || Number.isFinite(part)) return part;
+    throw invalid(`The value for "${path}" has ${part}, but its numbers must be finite.`);
+  });
   if (yaml === undefined) throw invalid(`The value for "${path}" is ${String(value)}, which no parameter can have.`);
   return yaml;
 }

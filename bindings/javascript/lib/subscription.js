@@ -5,6 +5,8 @@ const { native, scratch } = require('./native');
 const { formOfSchema, schemaOfQueue } = require('./types');
 const check = require('./arguments');
 
+const LONGEST_TIMER = 2 ** 31 - 1;
+
 // Messages that are taken in one turn of the event loop. Then all else in the program has its turn.
 const MOST_PER_TURN = 64;
 
@@ -127,11 +129,17 @@ class Subscription {
       };
       this.#wait(turn);
       if (timeout === undefined || !this.#turns.includes(turn)) return;
-      timer = setTimeout(() => {
+      const end = () => {
         this.#turns.splice(this.#turns.indexOf(turn), 1);
         if (this.#turns.length === 0) native.watchQueue(this.#external, false);
         reject(new HgrosError('HGROS_TIMED_OUT', `No message came in ${timeout} ms.`));
-      }, timeout);
+      };
+      // setTimeout() takes longer times for none.
+      const waitFor = (left) => {
+        const first = Math.min(left, LONGEST_TIMER);
+        timer = setTimeout(() => (left > first ? waitFor(left - first) : end()), first);
+      };
+      waitFor(timeout);
     });
     if (received === undefined) throw new HgrosError('HGROS_CLOSED', 'The subscription is closed.');
     return received;

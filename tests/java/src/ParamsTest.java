@@ -1,3 +1,4 @@
+import java.lang.ref.WeakReference;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
@@ -52,6 +53,29 @@ final class ParamsTest {
     } finally {
       Files.delete(file);
     }
+  }
+
+  public static void parametersLiveWhileTheyAreWatched() throws Exception {
+    BlockingQueue<String> changes = new ArrayBlockingQueue<>(100);
+    try (Session robot = Expect.session("robot"); Session tool = Expect.session("tool")) {
+      watch(robot, changes);
+      WeakReference<Object> garbage = new WeakReference<>(new Object());
+      Expect.eventually("garbage is collected", () -> {
+        System.gc();
+        return garbage.get() == null;
+      });
+      try (Params theirs = tool.paramsOf("robot", Expect.PATIENCE)) {
+        theirs.set("speed", 7);
+        Expect.equal(changes.take(), "speed=7");
+      }
+    }
+  }
+
+  /** Nobody but the watch knows the parameters. */
+  private static void watch(Session robot, BlockingQueue<String> changes) {
+    Params params = robot.params();
+    params.declare("speed", 1, new ParamInfo());
+    params.onChange("speed", (path, yaml) -> changes.add(path + "=" + yaml));
   }
 
   public static void parametersOfAnotherSession() throws Exception {

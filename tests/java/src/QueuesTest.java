@@ -45,6 +45,7 @@ final class QueuesTest {
       lossless.publish(text(2));
       Expect.fails(Code.FULL, () -> lossless.publish(text(3)));
       Expect.fails(Code.TIMED_OUT, () -> lossless.publish(text(3), Duration.ofMillis(20)));
+      Expect.fails(Code.TIMED_OUT, () -> lossless.publish(text(3), Duration.ofNanos(1)));
       every.next();
       lossless.publish(text(3), Expect.PATIENCE);
     }

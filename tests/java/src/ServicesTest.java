@@ -1,5 +1,6 @@
 import com.google.protobuf.StringValue;
 import com.google.protobuf.Struct;
+import java.lang.ref.WeakReference;
 import java.time.Duration;
 import java.util.concurrent.CancellationException;
 import java.util.concurrent.CompletableFuture;
@@ -101,6 +102,21 @@ final class ServicesTest {
       }
     } finally {
       goOn.countDown();
+    }
+  }
+
+  public static void aSessionThatOnlyServesLives() throws Exception {
+    try (Session client = Expect.session("client")) {
+      Expect.session("server").serve("echo", Expect.TEXT, Expect.TEXT, word -> word);
+      awaitService(client, "echo");
+      WeakReference<Object> garbage = new WeakReference<>(new Object());
+      Expect.eventually("garbage is collected", () -> {
+        System.gc();
+        return garbage.get() == null;
+      });
+      for (int i = 0; i < 100; i++) { // The cleaner has a thread of its own.
+        Expect.equal(call(client, "echo", "on"), StringValue.of("on"));
+      }
     }
   }
 

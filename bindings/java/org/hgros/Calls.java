@@ -65,7 +65,7 @@ final class Calls {
       }
       R result = ReceivedMessage.parse(message, reply);
       Workers.ANY.execute(() -> future.complete(result));
-    } catch (HgrosException e) {
+    } catch (Throwable e) {
       Workers.ANY.execute(() -> future.completeExceptionally(e));
     }
   }

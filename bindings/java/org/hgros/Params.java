@@ -180,7 +180,7 @@ public final class Params implements AutoCloseable {
    * values.
    */
   public Watch onChange(String path, BiConsumer<String, String> listener) {
-    return Watch.open(session, "The listener for changes of \"" + path + "\"",
+    return Watch.open(session, this, "The listener for changes of \"" + path + "\"",
         runner -> (Callbacks.ChangeTarget) (changed, yaml) -> runner.run(() -> listener.accept(changed, yaml)),
         (user, watch) -> handle.status(
             params -> HgrosC.hgros_params_watch(params, path, Callbacks.CHANGE, user, Callbacks.RELEASE, watch)));

@@ -62,6 +62,7 @@ public final class RawSubscription implements AutoCloseable {
     private int free(long pointer) {
       QueuePoller.remove(bell);
       HgrosC.hgros_subscription_close(pointer);
+      bell.end(); // Those that take see that it is closed.
       return 0;
     }
 

@@ -1,6 +1,7 @@
 package org.hgros;
 
 import com.google.protobuf.Message;
+import java.lang.ref.Reference;
 
 /** Offers a service until it or its session is closed. */
 public final class Service implements AutoCloseable {
@@ -10,7 +11,10 @@ public final class Service implements AutoCloseable {
   <Q extends Message, R extends Message> Service(Session session, String name, Q request, R reply,
       ServiceHandler<Q, R> handler, ServeOptions options) {
     this.session = session;
-    Callbacks.ServiceTarget target = message -> handler.handle(ReceivedMessage.parse(message, request)).toByteArray();
+    Callbacks.ServiceTarget target = message -> {
+      Reference.reachabilityFence(session); // Not forgotten while it serves.
+      return handler.handle(ReceivedMessage.parse(message, request)).toByteArray();
+    };
     Structs.ServeOptions chosen = new Structs.ServeOptions();
     chosen.most_waiting = options.mostWaiting;
     chosen.concurrent = options.concurrent ? 1 : 0;

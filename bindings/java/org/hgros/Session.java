@@ -288,7 +288,7 @@ public final class Session implements AutoCloseable {
 
   /** Calls `listener` on a thread of the session when something happens to another session; one call at a time. */
   public Watch onPeer(PeerListener listener) {
-    return Watch.open(this, "The listener for peers",
+    return Watch.open(this, this, "The listener for peers",
         runner -> (Callbacks.PeerTarget) (event, peer, channel, reason) -> runner.run(() -> listener.happened(
             PeerEvent.values()[event], new Peer(new Structs.Peer(new Pointer(peer))), channel, reason)),
         (user, watch) -> handle.status(

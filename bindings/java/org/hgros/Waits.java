@@ -22,12 +22,14 @@ final class Waits {
 
   /** Waits in slices. The status after the last one is the caller's. */
   static int inSlices(Duration timeout, LongToIntFunction wait) throws InterruptedException {
-    long end = System.nanoTime() + nanos(timeout);
+    long most = nanos(timeout);
+    long least = Math.min(most, 1); // With 0 the library would not wait, and say why it cannot.
+    long end = System.nanoTime() + most;
     while (true) {
       if (Thread.interrupted()) {
         throw new InterruptedException();
       }
-      long left = Math.max(0, end - System.nanoTime());
+      long left = Math.max(least, end - System.nanoTime());
       int status = wait.applyAsInt(Math.min(left, SLICE_NS));
       if (status != Code.TIMED_OUT.status || left <= SLICE_NS) {
         return status;

@@ -8,6 +8,8 @@ public final class Watch implements AutoCloseable {
   private final Session session;
   private final Handle handle;
   private final AtomicLong failed;
+  @SuppressWarnings("unused") // Not forgotten while it is watched.
+  private final Object owner;
 
   /** Runs a call of the program's function, and reports what it throws. */
   @FunctionalInterface
@@ -20,13 +22,15 @@ public final class Watch implements AutoCloseable {
     int open(long user, long[] watch);
   }
 
-  private Watch(Session session, Handle handle, AtomicLong failed) {
+  private Watch(Session session, Object owner, Handle handle, AtomicLong failed) {
     this.session = session;
+    this.owner = owner;
     this.handle = handle;
     this.failed = failed;
   }
 
-  static Watch open(Session session, String what, Function<Runner, Object> target, Opening opening) {
+  /** `owner` lives as long as the watch. */
+  static Watch open(Session session, Object owner, String what, Function<Runner, Object> target, Opening opening) {
     AtomicLong failed = new AtomicLong();
     Runner runner = call -> {
       try {
@@ -38,7 +42,7 @@ public final class Watch implements AutoCloseable {
     };
     long[] opened = new long[1];
     HgrosC.check(opening.open(Callbacks.keep(target.apply(runner)), opened));
-    return session.keep(new Watch(session, new Handle("watch", opened[0], pointer -> {
+    return session.keep(new Watch(session, owner, new Handle("watch", opened[0], pointer -> {
       HgrosC.hgros_watch_close(pointer);
       return 0;
     }), failed));
