@@ -15,6 +15,8 @@ constexpr std::string_view kOwnChannels = "hgros/";
 constexpr auto kTimeForOthers = std::chrono::seconds(5);
 constexpr auto kTimeForLateOnes = std::chrono::seconds(25);  // After kTimeForOthers.
 constexpr auto kBetweenLooks = std::chrono::seconds(1);
+// Of the channels that are due at once. Each is compared with all; thousands are hardly misspelled.
+constexpr std::size_t kMostCompared = 100;
 
 using Names = std::set<std::string, std::less<>>;
 
@@ -114,9 +116,13 @@ std::optional<std::chrono::nanoseconds> MisspelledNames::LookForOtherEnds(Clock:
   }
   std::erase_if(alone, [this](const Due& due) { return means_.connected(due.channel); });
   const bool lists = std::ranges::any_of(alone, &Due::again);
-  const std::vector<KnownChannel> known = lists ? means_.known() : std::vector<KnownChannel>();
-  for (const Due& due : alone) {
-    if (due.again) SayIfAlone(due.channel, known);
+  if (lists) {
+    const std::vector<KnownChannel> known = means_.known();
+    const SessionId self = means_.own().session.id;
+    std::size_t compared = 0;
+    for (const Due& due : alone) {
+      if (due.again && ++compared <= kMostCompared) SayIfAlone(due.channel, known, self);
+    }
   }
   const std::scoped_lock lock(mutex_);
   for (const Due& due : alone) {
@@ -132,16 +138,15 @@ bool MisspelledNames::HasSubscribers(const KnownChannel& channel) const {
 }
 
 bool MisspelledNames::IsPublishedHere(const std::string& channel) const {
-  const GraphSnapshot graph = means_.graph.Snapshot();
-  const auto found = std::ranges::find(graph.channels, channel, &ChannelSnapshot::name);
-  return found != graph.channels.end() && found->published > 0;
+  return means_.graph.PublishedCount(channel) > 0;
 }
 
 // Says something only if both channels have one end each: then they are probably meant to be one.
-void MisspelledNames::SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known) const {
+void MisspelledNames::SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known,
+                                 SessionId self) const {
   const auto own = std::ranges::find(known, channel, &KnownChannel::name);
   if (own == known.end()) return;
-  const auto is_here = [self = means_.own().session.id](const ChannelUser& user) { return user.session == self; };
+  const auto is_here = [&](const ChannelUser& user) { return user.session == self; };
   const bool awaits =
       own->publishers.empty() && !IsPublishedHere(channel) && std::ranges::any_of(own->subscribers, is_here);
   const bool calls = !HasSubscribers(*own) && std::ranges::any_of(own->publishers, is_here);

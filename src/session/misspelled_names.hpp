@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "hgros/base/ids.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/channel_directory.hpp"
 #include "hgros/config/config.hpp"
@@ -53,7 +54,7 @@ class MisspelledNames {
   };
   void LookIn(std::chrono::nanoseconds delay);
   [[nodiscard]] bool HasSubscribers(const KnownChannel& channel) const;
-  void SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known) const;
+  void SayIfAlone(const std::string& channel, const std::vector<KnownChannel>& known, SessionId self) const;
   [[nodiscard]] bool IsPublishedHere(const std::string& channel) const;
 
   const Means means_;
