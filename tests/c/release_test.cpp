@@ -1,5 +1,7 @@
 #include <functional>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "c/c_fixture.hpp"
 
@@ -43,7 +45,8 @@ struct Fixture {
 };
 
 Fixture& NewFixture(std::function<hgros_status(Program&)> at_release) {
-  auto& made = *new Fixture;
+  static auto& all = *new std::vector<std::unique_ptr<Fixture>>;
+  Fixture& made = *all.emplace_back(std::make_unique<Fixture>());
   Program& program = made.program;
   program.at_release = std::move(at_release);
   program.session = test::Open(test::DomainYaml(), made.log).release();
