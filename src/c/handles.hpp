@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "c/callbacks.hpp"
 #include "c/calling.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/c/session.h"

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "c/callbacks.hpp"
 #include "c/calling.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/params/param_error.hpp"

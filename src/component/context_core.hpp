@@ -130,9 +130,8 @@ class ContextCore {
   std::atomic<Place> place_ = Place::kHere;  // Set under mutex_.
   InputGates gates_;
   ComponentStatus status_;
-  ComponentDescription description_;  // Does not change after the construction.
+  ComponentDescription description_;  // Changes only while an instance is constructed.
   bool constructed_ = false;
-  bool again_ = false;           // Another instance is constructed while its inputs are held.
   std::set<std::string> names_;  // Channels and services that the component has named.
   std::set<std::string> nodes_;  // Names of its nodes, within the component.
   std::map<std::string, Error> faulty_params_;

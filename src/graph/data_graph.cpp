@@ -58,9 +58,9 @@ std::size_t DataGraph::NodeCount(std::string_view channel) const noexcept {
   return found == nullptr ? 0 : found->Nodes().size();
 }
 
-std::uint64_t DataGraph::PublishedCount(std::string_view channel) const {
+std::uint64_t DataGraph::PublishedCount(std::string_view channel) const noexcept {
   const Channel* found = core_->Find(channel);
-  return found == nullptr ? 0 : found->Snapshot().published;
+  return found == nullptr ? 0 : found->published();
 }
 
 void DataGraph::SetClosed(std::string_view channel, bool closed) { core_->SetClosed(channel, closed); }

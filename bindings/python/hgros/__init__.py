@@ -28,11 +28,11 @@ from .subscription import Subscription
 from .timers import Rate, Tick, Timer
 from .transforms import TransformError, Transforms
 
-__all__ = ["Call", "CallError", "ChannelSnapshot", "ChannelTraffic", "Client", "ConfigError", "Context", "Error", "KeepAll", "KeepLast",
-           "KnownChannel", "MessageInfo", "Messages", "NodeSnapshot", "ParamError", "Parameters", "Peer", "PublishError",
-           "Publisher", "QueueFull", "Rate", "Service", "Session", "SessionClosed", "SessionSnapshot", "Subscription",
-           "Tick", "Timer", "Times", "TransformError", "Transforms", "TypeMismatch", "data", "image", "leases",
-           "message", "points"]
+__all__ = ["Call", "CallError", "ChannelSnapshot", "ChannelTraffic", "Client", "ConfigError", "Context", "Error",
+           "KeepAll", "KeepLast", "KnownChannel", "MessageInfo", "Messages", "NodeSnapshot", "ParamError",
+           "Parameters", "Peer", "PublishError", "Publisher", "QueueFull", "Rate", "Service", "Session",
+           "SessionClosed", "SessionSnapshot", "Subscription", "Tick", "Timer", "Times", "TransformError",
+           "Transforms", "TypeMismatch", "data", "image", "leases", "message", "points"]
 
 
 def leases() -> tuple[int, int]:

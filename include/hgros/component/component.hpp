@@ -52,7 +52,8 @@ HGROS_EXPORT bool RegisterComponent(ComponentType type) noexcept;
 using ComponentFinder = ComponentType (*)(std::string_view name);
 /// For ComponentType::state of a class whose states are RawMessages. Throws Error if the schema does not name a type.
 [[nodiscard]] HGROS_EXPORT const TypeInfo& RawStateType(const MessageSchema& schema);
-/// For a library with the components of a language: it calls this while it is loaded. Returns true.
+/// For a library with the components of a language, which calls this while it is loaded. There is one finder: a later
+/// call replaces it. Returns true.
 HGROS_EXPORT bool RegisterComponentFinder(ComponentFinder finder) noexcept;
 
 /// The registered type of that name, or the one that a finder finds. Throws Error naming the nearest one.

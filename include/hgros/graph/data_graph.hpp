@@ -127,7 +127,7 @@ class HGROS_EXPORT DataGraph {
   [[nodiscard]] static const std::string& NameOf(const Channel& channel) noexcept;
   /// Number of nodes on a channel, and of messages published on it so far; 0 if there is no such channel.
   [[nodiscard]] std::size_t NodeCount(std::string_view channel) const noexcept;
-  [[nodiscard]] std::uint64_t PublishedCount(std::string_view channel) const;
+  [[nodiscard]] std::uint64_t PublishedCount(std::string_view channel) const noexcept;
   /// The publisher is lost. Until it is back, new nodes get none of its latched messages. Only a few are remembered.
   void PublisherIsGone(std::uint64_t publisher);
   /// Nodes added meanwhile get its latched messages, inline nodes on this thread.

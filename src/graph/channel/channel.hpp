@@ -70,6 +70,7 @@ class Channel {
   [[nodiscard]] bool HasOutlet() const noexcept { return outlet_.load(std::memory_order_acquire) != nullptr; }
   [[nodiscard]] ThreadUse UseOfThread() const noexcept;
   [[nodiscard]] ChannelSnapshot Snapshot() const;
+  [[nodiscard]] std::uint64_t published() const noexcept { return numbers_.last(); }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   // AnyType() until the channel gets a type.

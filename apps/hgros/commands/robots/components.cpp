@@ -33,8 +33,7 @@ class ComponentsCommand final : public Command {
     return "Shows the component types of the installed libraries: their channels, services and parameters. Each is "
            "constructed once, in a process of its own, where nothing of it runs. Libraries are found by their "
            "manifests, in the folders of HGROS_COMPONENT_PATH and in share/hgros/components. A component in Python is "
-           "named by its "
-           "module and class.";
+           "named by its module and class.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros components", "Lists all components."},

@@ -39,8 +39,8 @@ class ContextHandle : public OfProcess, public std::enable_shared_from_this<Cont
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] WorkDesk& desk() noexcept { return desk_; }
-  /// What is called with each message, request and tick: the number of a target, and arguments. With the GIL; none
-  /// before the end.
+  /// Sets the function that gets each message, request and tick, as the number of a target and arguments. The caller
+  /// has the GIL. Pass an empty object before the end.
   void SetReceiver(pybind11::object receiver) { receiver_ = std::move(receiver); }
 
   // Without the GIL.
