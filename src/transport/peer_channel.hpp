@@ -93,6 +93,10 @@ class PeerChannel {
 
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_messages_; }
   [[nodiscard]] std::uint64_t waiting_bytes() const noexcept { return waiting_bytes_; }
+  /// Also those that a paused lossless link will send again.
+  [[nodiscard]] std::uint64_t unsent_bytes() const noexcept {
+    return waiting_bytes_ + (paused_ && demand_.lossless ? sent_bytes_ - confirmed_bytes_ : 0);
+  }
   [[nodiscard]] std::size_t waiting() const noexcept { return ring_.size(); }
   /// Number of messages that a lossless peer would miss if it died now.
   [[nodiscard]] std::size_t unfinished() const noexcept { return unconfirmed_.size() + ring_.size(); }

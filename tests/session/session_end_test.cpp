@@ -109,26 +109,45 @@ TEST_P(SessionEnd, SaysOnceThatASubscriberTakesNothing) {
   door.Open();
 }
 
-class SessionEndWithoutConnection : public test::DomainFixture {};
+// The talker reaches the listener through a cable that can break.
+class SessionEndWithoutConnection : public test::DomainFixture {
+ protected:
+  void SetUp() override { ASSERT_TRUE(talker_->WaitForSubscribers("notes", 1, kPatience)); }
+  [[nodiscard]] std::uint16_t TalkersPort() const {
+    const std::string endpoint = talker_->PublisherEndpoints().at(0);
+    return static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+  }
+  [[nodiscard]] OutboundStats Out() const { return talker_->Snapshot().traffic.at(0).out; }
+
+  Robot talker_{"network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}"};
+  conformance::TcpForwarder cable_{TalkersPort()};
+  Robot listener_{"network: {subscribers: [{ip: \"tcp://127.0.0.1:" + std::to_string(cable_.port()) +
+                  "\"}]}\ndiscovery: {local: false}"};
+  Notes notes_;
+  const Subscription subscription_ =
+      listener_->FromAny<Note>("notes", kSerial, std::ref(notes_), {.queue = Queue::KeepAll(10'000)});
+  const Publisher<Note> publish_ = talker_->Advertise<Note>("notes");
+};
 
 TEST_F(SessionEndWithoutConnection, SaysOnceThatTheRestIsLost) {
-  Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
-  const std::string endpoint = talker->PublisherEndpoints().at(0);
-  conformance::TcpForwarder cable(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
-  Robot listener("network: {subscribers: [{ip: \"tcp://127.0.0.1:" + std::to_string(cable.port()) +
-                 "\"}]}\ndiscovery: {local: false}");
-  Notes notes;
-  const auto subscription =
-      listener->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(10'000)});
-  const auto publish = talker->Advertise<Note>("notes");
-  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-  cable.Cut();
+  cable_.Cut();
   ASSERT_TRUE(Await([&] {
-    (void)publish(Note("x"));
-    return talker->Snapshot().traffic.at(0).out.queued_bytes > 0;
+    (void)publish_(Note("x"));
+    return Out().queued_bytes > 0;
   }));
-  talker.session.reset();
-  EXPECT_EQ(talker.Count(kRestIsLost), 1U);
+  talker_.session.reset();
+  EXPECT_EQ(talker_.Count(kRestIsLost), 1U);
+}
+
+TEST_F(SessionEndWithoutConnection, SaysThatAMessageOnItsWayIsLost) {
+  cable_.Stall();
+  ASSERT_EQ(publish_(Note("x")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return Out().sent == 1; }));
+  EXPECT_EQ(Out().queued_bytes, 0U);
+  cable_.Cut();
+  ASSERT_TRUE(Await([&] { return Out().queued_bytes > 0; })) << "It waits to be sent again.";
+  talker_.session.reset();
+  EXPECT_EQ(talker_.Count(kRestIsLost), 1U);
 }
 
 }  // namespace

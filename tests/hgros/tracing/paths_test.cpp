@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
+
 #include "tracing/chrome_trace.hpp"
 
 namespace hgros::cli {
@@ -150,11 +152,11 @@ TEST(Paths, OfManyMessagesWithOneKeyTakeNoLongTime) {
     robot.Run(0, "map", "m", 1, {}, i, i, i);
   }
   robot.Publish(0, "scan", "n", 2, 0, 0);
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();  // Time of the CPU, since others may use it, too.
   const Paths found = PathsBetween(robot.traced, "scan", "map");
   EXPECT_EQ(found.interrupted + found.lost, 100'000U);
   const std::string json = ChromeTraceOf(robot.traced);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  EXPECT_LT(std::clock() - begin, 20 * CLOCKS_PER_SEC);
   EXPECT_LT(json.size(), 100'000'000U);
 }
 

@@ -33,7 +33,7 @@ void OutLink::SendWaiting(Socket& socket, std::uint64_t peer_limit_bytes, PeerCh
 }
 
 void OutLink::CountWaiting() {
-  const std::uint64_t now = flow.waiting_bytes();
+  const std::uint64_t now = flow.unsent_bytes();
   peer_waiting_bytes_ += now - counted_bytes_;  // Wraps around to the right sum.
   core->queued_bytes.fetch_add(now - counted_bytes_, std::memory_order_relaxed);
   counted_bytes_ = now;
@@ -42,6 +42,7 @@ void OutLink::CountWaiting() {
 void OutLink::Pause(SteadyTime now) {
   if (flow.paused()) return;
   flow.Pause();
+  CountWaiting();
   paused_since_ = now;
 }
 

@@ -38,7 +38,7 @@ class OutLink {
 
   std::string topic_;  // The last 8 bytes are the message's number.
   std::uint64_t& peer_waiting_bytes_;
-  std::uint64_t counted_bytes_ = 0;  // The part of flow.waiting_bytes() that is in both sums.
+  std::uint64_t counted_bytes_ = 0;  // The part of flow.unsent_bytes() that is in both sums.
   SteadyTime paused_since_{};
 };
 
