@@ -42,8 +42,10 @@ namespace Hgros {
         Concurrent = options != null && options.Concurrent ? 1 : 0,
         Executor = (int)(options?.Executor ?? Executor.Workers)
       };
-      HgrosException.Check(Native.hgros_serve(opened, name, request.Handle, reply.Handle, ref chosen, Requested,
-        Callbacks.User(this), Callbacks.Release, out handle));
+      ServiceHandle made = null;
+      Callbacks.Give(this, user => Native.hgros_serve(opened, name, request.Handle, reply.Handle, ref chosen, Requested,
+        user, Callbacks.Release, out made));
+      handle = made;
     }
 
     /// <summary>Withdraws the service: requests that wait fail. Outside callbacks it waits for running handlers.
@@ -92,10 +94,10 @@ namespace Hgros {
         else if (status != 0) ended.TrySetException(new HgrosException((Code)status, sentence));
         else Settle(ended, reply, replyType);
       };
-      PendingCallHandle call;
-      HgrosException.Check(Native.hgros_call_later(handle, name, requestType.Schema.Handle, data,
-        (UIntPtr)(ulong)data.LongLength, replyType.Schema.Handle, Waiting.Nanoseconds(timeout), Replied,
-        Callbacks.User(replied), Callbacks.Release, out call));
+      PendingCallHandle call = null;
+      Callbacks.Give(replied, user => Native.hgros_call_later(handle, name, requestType.Schema.Handle, data,
+        (UIntPtr)(ulong)data.LongLength, replyType.Schema.Handle, Waiting.Nanoseconds(timeout), Replied, user,
+        Callbacks.Release, out call));
       using (call)
       using (token.Register(() => Native.hgros_call_cancel(call)))
         return await ended.Task.ConfigureAwait(false);

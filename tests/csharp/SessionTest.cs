@@ -131,6 +131,31 @@ public static class SessionTest {
     Until("most are collected after their session", () => Collected(listeners) > count / 2);
   }
 
+  [Test]
+  public static void CallbacksThatADisposedSessionRefusesAreCollected() {
+    const int count = 20;
+    WeakReference[] targets = null;
+    Soon(Run(() => {
+      var session = new Session();
+      Params parameters = session.OpenParams();
+      parameters.Dispose();
+      session.Dispose();
+      targets = Enumerable.Range(0, count).Select(i => Refused(session, parameters)).ToArray();
+    }));
+    // Old values on the stacks of threads may keep some.
+    Until("most are collected", () => Collected(targets) > count / 2);
+  }
+
+  // What the callbacks have that a disposed session and its parameters refuse.
+  private static WeakReference Refused(Session session, Params parameters) {
+    var target = new object();
+    Throws<ObjectDisposedException>(() => session.Listen("words", Log, message => target.ToString()));
+    Throws<ObjectDisposedException>(() => session.Serve("words", Log, Log, message => (DynamicMessage)target));
+    Throws<ObjectDisposedException>(() => session.OnPeer((happened, peer, channel, reason) => target.ToString()));
+    Throws<ObjectDisposedException>(() => parameters.OnChange("", (path, yaml) => target.ToString()));
+    return new WeakReference(target);
+  }
+
   private static int Collected(WeakReference[] references) {
     GC.Collect();
     GC.WaitForPendingFinalizers();
