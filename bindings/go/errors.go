@@ -112,15 +112,22 @@ func (g *guard) do(what string, call func() C.hgros_status) error {
 	return check(call)
 }
 
-// closeWith closes what the library may refuse to close inside callbacks; then it stays open.
+// closeWith closes what the library refuses to close inside callbacks: there, a goroutine does it.
 func (g *guard) closeWith(call func() C.hgros_status) error {
 	var failure error
-	g.mutex.Lock()
-	g.free = func() {
+	free := func() {
 		err := check(call)
 		g.mutex.Lock()
 		defer g.mutex.Unlock()
 		failure, g.closed = err, err == nil
+	}
+	g.mutex.Lock()
+	g.free = func() {
+		if C.GoInCallback() > 0 {
+			go free()
+		} else {
+			free()
+		}
 	}
 	g.mutex.Unlock()
 	g.close()

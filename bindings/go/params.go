@@ -49,8 +49,8 @@ func (s *Session) ParamsOf(name string, timeout time.Duration) (*Params, error) 
 	return params, nil
 }
 
-// Close ends the parameters; those of a closed session may be closed, too. WouldDeadlock inside a callback of the
-// session: then they stay open.
+// Close ends the parameters; those of a closed session may be closed, too. Inside a callback of the session or of the
+// parameters it does not wait for it: the rest is done once the callback has returned.
 func (p *Params) Close() error {
 	return p.closeWith(func() C.hgros_status { return C.hgros_params_close(p.handle) })
 }

@@ -3,6 +3,8 @@ package hgros_test
 import (
 	"context"
 	"errors"
+	"fmt"
+	"os"
 	"strings"
 	"testing"
 	"time"
@@ -118,6 +120,97 @@ func TestCloseInsideACallbackEndsTheSession(t *testing.T) {
 		if line := <-lines; strings.Contains(line, "destroyed inside") {
 			t.Fatal(line)
 		}
+	}
+}
+
+func TestSimulatedClockMovesTimersOfOtherSessions(t *testing.T) {
+	os.Setenv("HGROS_DOMAIN", fmt.Sprintf("go-%d-clock", os.Getpid()))
+	sessions := make([]*hgros.Session, 2)
+	for i := range sessions {
+		session, err := hgros.Open("time: simulated", nil)
+		require(t, err)
+		t.Cleanup(session.Close)
+		sessions[i] = session
+	}
+	start := time.Unix(1000, 0)
+	clock, err := sessions[0].NewSimulatedClock(start, true)
+	require(t, err)
+	follows := func(wanted time.Time) {
+		t.Helper()
+		waitUntil(t, "both sessions follow", func() bool {
+			return sessions[0].Now().Equal(wanted) && sessions[1].Now().Equal(wanted)
+		})
+	}
+	follows(start)
+	ticks := make(chan hgros.Tick, 10)
+	_, err = sessions[1].NewTimer("seconds", time.Second, func(tick hgros.Tick) { ticks <- tick }, nil)
+	require(t, err)
+	require(t, clock.Step(2500*time.Millisecond))
+	follows(start.Add(2500 * time.Millisecond))
+	if tick := <-ticks; tick.Planned.Sub(start)%time.Second != 0 {
+		t.Fatalf("%+v", tick)
+	}
+	require(t, clock.Jump(start.Add(time.Hour)))
+	follows(start.Add(time.Hour))
+	require(t, clock.SetRate(1000))
+	require(t, clock.Resume())
+	waitUntil(t, "time passes", func() bool { return sessions[1].Now().After(start.Add(time.Hour + time.Second)) })
+	require(t, clock.Pause())
+	require(t, clock.Jump(start))
+	follows(start)
+	for _, refused := range []error{clock.Step(-1), clock.SetRate(0)} {
+		if !errors.Is(refused, hgros.Failed) {
+			t.Fatal("a number out of range gave", refused)
+		}
+	}
+	require(t, clock.Close())
+	if err := clock.Step(1); !errors.Is(err, hgros.Closed) || !clock.Now().IsZero() {
+		t.Fatal("a closed clock gave", err)
+	}
+}
+
+func TestPartsAreClosedInsideACallback(t *testing.T) {
+	session := open(t, nil)
+	params, err := session.Params()
+	require(t, err)
+	require(t, params.Declare("speed", 1, nil))
+	transforms, err := session.Transforms()
+	require(t, err)
+	clock, err := session.NewSimulatedClock(time.Unix(1000, 0), true)
+	require(t, err)
+	results := make(chan error, 10)
+	made := make(chan *hgros.Timer, 1)
+	timer, err := session.NewTimer("closer", time.Millisecond, func(hgros.Tick) {
+		results <- params.Close()
+		results <- transforms.Close()
+		results <- clock.Close()
+		(<-made).Close()
+	}, nil)
+	require(t, err)
+	made <- timer
+	for i := 0; i < 3; i++ {
+		require(t, <-results)
+	}
+	if _, err := params.Integer("speed"); !errors.Is(err, hgros.Closed) {
+		t.Fatal("closed parameters gave", err)
+	}
+	waitUntil(t, "new ones can be opened", func() bool {
+		again, err := session.Transforms()
+		if err == nil {
+			require(t, again.Close())
+		}
+		return err == nil
+	})
+	own, err := session.Params()
+	require(t, err)
+	require(t, own.Declare("speed", 1, nil))
+	watch, err := own.OnChange("speed", func(string, string) { results <- own.Close() })
+	require(t, err)
+	defer watch.Close()
+	require(t, own.Set("speed", 2))
+	require(t, <-results)
+	if err := own.Set("speed", 3); !errors.Is(err, hgros.Closed) {
+		t.Fatal("parameters that were closed by their own listener gave", err)
 	}
 }
 
