@@ -2,10 +2,55 @@ using System;
 using System.Reflection;
 using System.Runtime.InteropServices;
 using System.Threading;
+using Hgros;
 using static Test;
 
-// The end of a program, which must not wait for threads of the library. These use the C interface itself.
+// The end of a program, which must not wait for threads of the library.
 public static class EndTest {
+  private static readonly DynamicType Log = DynamicType.Known("foxglove.Log");
+
+  // Callbacks run, or are about to, and nothing is disposed.
+  private static void LeaveCallbacks() {
+    var session = new Session();
+    var publisher = session.Advertise("words", Log);
+    for (int i = 0; i < 4; ++i) session.Listen("words", Log, log => { });
+    for (int i = 0; i < 5; ++i) publisher.Publish(new DynamicMessage(Log));
+  }
+
+  [Test]
+  public static void ExitDoesNotWaitForCallbacks() {
+    LeaveCallbacks();
+    Environment.Exit(0);
+  }
+
+  [Test]
+  public static void MainReturnsWhileCallbacksRun() {
+    LeaveCallbacks();
+  }
+
+  [Test]
+  public static void ExitEndsAlsoInsideACallback() {
+    var session = new Session();
+    session.Listen("words", Log, log => Environment.Exit(0));
+    session.Advertise("words", Log).Publish(new DynamicMessage(Log));
+    new ManualResetEvent(false).WaitOne(Patience);
+    throw new Exception("The program did not end.");
+  }
+
+  [Test]
+  public static void ExitDoesNotWaitForACallbackThatDoesNotReturn() {
+    var session = new Session();
+    var entered = new ManualResetEventSlim();
+    session.Listen("words", Log, log => {
+      entered.Set();
+      new ManualResetEvent(false).WaitOne();
+    });
+    session.Advertise("words", Log).Publish(new DynamicMessage(Log));
+    True(entered.Wait(Patience), "the callback runs");
+    Environment.Exit(0);
+  }
+
+  // The rest uses the C interface itself.
   private const string Library = "libhgros_c.so.0";
 
   [DllImport(Library)]
@@ -40,7 +85,7 @@ public static class EndTest {
   [Test]
   public static void ThreadsThatOnlyReleaseDoNotHoldUpTheEnd() {
     const BindingFlags flags = BindingFlags.NonPublic | BindingFlags.Static;
-    Type callbacks = typeof(Hgros.Session).Assembly.GetType("Hgros.Callbacks", true);
+    Type callbacks = typeof(Session).Assembly.GetType("Hgros.Callbacks", true);
     var release = (Delegate)callbacks.GetField("Release", flags).GetValue(null);
     IntPtr function = Marshal.GetFunctionPointerForDelegate(release);
     IntPtr session, schema, publisher, subscription;
