@@ -4,7 +4,9 @@ package hgros
 import "C"
 
 import (
+	"fmt"
 	"runtime"
+	"strings"
 	"sync"
 )
 
@@ -49,6 +51,17 @@ func (e *Error) Error() string { return "hgros: " + e.Code.Error() + ": " + e.Se
 
 // Unwrap makes errors.Is compare codes.
 func (e *Error) Unwrap() error { return e.Code }
+
+// uncut refuses texts that C would cut.
+func uncut(what string, texts ...string) error {
+	for _, text := range texts {
+		if strings.IndexByte(text, 0) >= 0 {
+			return &Error{InvalidArgument,
+				fmt.Sprintf("%s is %q, but a text must not have the character U+0000.", what, text)}
+		}
+	}
+	return nil
+}
 
 // check runs one call of the library and reads its sentence on the same thread, where the library keeps it.
 func check(call func() C.hgros_status) error {

@@ -63,6 +63,9 @@ func (t *Transforms) Close() error {
 }
 
 func (t *Transforms) between(a, b string, call func(a, b *C.char) C.hgros_status) error {
+	if err := uncut("The name of a frame", a, b); err != nil {
+		return err
+	}
 	list, release := textList([]string{a, b})
 	defer release()
 	names := textsOf(list, 2)

@@ -10,6 +10,8 @@ import (
 	"time"
 
 	"hgros"
+
+	"google.golang.org/protobuf/types/known/wrapperspb"
 )
 
 func TestLoanIsFilledInPlaceAndPublishedOnce(t *testing.T) {
@@ -240,5 +242,51 @@ func TestSnapshotAndUsersOfAChannelAreSeen(t *testing.T) {
 	}
 	if !strings.Contains(string(snapshot.Data()), "words") {
 		t.Fatal("the snapshot does not have the channel")
+	}
+}
+
+func TestTextsThatCWouldCutAreRefused(t *testing.T) {
+	session := open(t, nil)
+	params, err := session.Params()
+	require(t, err)
+	transforms, err := session.Transforms()
+	require(t, err)
+	schema, err := hgros.KnownSchema("foxglove.Log")
+	require(t, err)
+	const cut = "words\x00more"
+	second := func(_ any, err error) error { return err }
+	for i, err := range []error{
+		second(hgros.Open("{}\x00", nil)),
+		second(hgros.Open("", &hgros.SessionOptions{Name: cut})),
+		second(hgros.OpenFiles([]string{cut}, nil)),
+		session.Log(hgros.LogInfo, cut),
+		second(session.AdvertiseRaw(cut, schema, nil)),
+		second(session.SubscribeRaw(cut, nil)),
+		second(session.SubscribeRaw("words", &hgros.SubscribeOptions{Name: cut})),
+		session.WaitForSubscribers(deadline(t), cut, 1),
+		session.WaitForPublishers(deadline(t), cut, 1),
+		second(hgros.Serve(session, cut, func(request text) (text, error) { return request, nil }, nil)),
+		second(hgros.Call[text, text](deadline(t), session, cut, wrapperspb.String(""))),
+		second(session.NewTimer(cut, time.Second, func(hgros.Tick) {}, nil)),
+		second(session.ParamsOf(cut, patience)),
+		second(session.Params(cut)),
+		second(hgros.KnownSchema(cut)),
+		second(hgros.RawSchema(cut, hgros.Custom, 0)),
+		params.Declare(cut, 1, nil),
+		params.Declare("a", cut, nil),
+		params.Declare("a", "b", &hgros.ParamInfo{Unit: cut}),
+		params.Declare("a", "b", &hgros.ParamInfo{Choices: []string{"b", cut}}),
+		params.Set(cut, 1),
+		params.Set("a", cut),
+		params.SetYAML("a", cut),
+		params.Remove(cut),
+		second(params.Text(cut)),
+		second(params.OnChange(cut, func(string, string) {})),
+		transforms.SetStatic("map", cut, hgros.Transform{}),
+		second(transforms.Lookup("map", cut)),
+	} {
+		if !errors.Is(err, hgros.InvalidArgument) || !strings.Contains(err.Error(), "U+0000") {
+			t.Errorf("use %d gave %v", i, err)
+		}
 	}
 }
