@@ -9,8 +9,8 @@ namespace Hgros {
   internal abstract class Handle : SafeHandleZeroOrMinusOneIsInvalid {
     protected Handle() : base(true) {}
 
-    // After AtExit, finalizers run, but no callback enters Mono or leaves it any more: what waits for one would wait for
-    // ever. Then the system frees everything.
+    // After AtExit, finalizers run, but no callback enters Mono or leaves it any more: what waits for one would wait
+    // for ever. Then the system frees everything.
     protected sealed override bool ReleaseHandle() {
       if (Environment.HasShutdownStarted) Leave();
       else Close(handle);

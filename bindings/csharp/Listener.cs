@@ -23,8 +23,8 @@ namespace Hgros {
       what = "The callback of channel \"" + channel + "\"";
       Native.SubscribeOptions chosen = (options ?? new SubscribeOptions()).ForLibrary(schema);
       SubscriptionHandle made = null;
-      Callbacks.Give(this, user => Native.hgros_subscribe(opened, channel, ref chosen, Received, user,
-        Callbacks.Release, out made));
+      Callbacks.Give(this, user => Native.hgros_subscribe(opened, Texts.Uncut(channel), ref chosen, Received,
+        user, Callbacks.Release, out made));
       handle = made;
       GC.KeepAlive(schema);
     }

@@ -28,8 +28,8 @@ namespace Hgros {
     internal static Watch ForParams(Session session, ParamsHandle parameters, string path,
       Action<string, string> changed) {
       var watch = new Watch(session) { changed = changed ?? throw new ArgumentNullException(nameof(changed)) };
-      Callbacks.Give(watch, user => Native.hgros_params_watch(parameters, path, Changed, user, Callbacks.Release,
-        out watch.handle));
+      Callbacks.Give(watch, user => Native.hgros_params_watch(parameters, Texts.Uncut(path), Changed, user,
+        Callbacks.Release, out watch.handle));
       return session.Keep(watch);
     }
 

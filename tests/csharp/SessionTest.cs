@@ -183,6 +183,49 @@ public static class SessionTest {
   }
 
   [Test]
+  public static void TextsThatCWouldCutAreRefused() {
+    const string cut = "words\0more";
+    using (var session = new Session())
+    using (Params parameters = session.OpenParams())
+    using (Transforms transforms = session.OpenTransforms()) {
+      var uses = new Action[] {
+        () => new Session("{}\0"),
+        () => new Session("", new SessionOptions { Name = cut }),
+        () => Session.FromFiles(new[] { cut }),
+        () => session.Log(LogLevel.Info, cut),
+        () => session.Advertise(cut, Log),
+        () => session.Subscribe(cut, Log),
+        () => session.Subscribe("words", Log, new SubscribeOptions { Name = cut }),
+        () => session.Listen(cut, Log, log => { }),
+        () => session.WaitForSubscribers(cut, 1, Patience),
+        () => session.WaitForPublishers(cut, 1, Patience),
+        () => session.Serve(cut, Log, Log, log => log),
+        () => session.Call(cut, Log, Log, new DynamicMessage(Log), Patience),
+        () => Soon(session.CallAsync(cut, Log, Log, new DynamicMessage(Log), Patience)),
+        () => session.OpenParams(cut),
+        () => Schema.Known(cut),
+        () => Schema.Raw(cut),
+        () => parameters.Declare(cut, 1),
+        () => parameters.Declare("a", cut),
+        () => parameters.Declare("a", "b", new ParamInfo { Unit = cut }),
+        () => parameters.Declare("a", "b", new ParamInfo { Choices = new[] { "b", cut } }),
+        () => parameters.Set(cut, 1),
+        () => parameters.Set("a", cut),
+        () => parameters.SetYaml("a", cut),
+        () => parameters.GetText(cut),
+        () => parameters.Remove(cut),
+        () => parameters.OnChange(cut, (path, yaml) => { }),
+        () => transforms.SetStatic("map", cut, new Transform()),
+        () => transforms.Lookup("map", cut)
+      };
+      foreach (Action use in uses) Contains("U+0000", Fails(Code.InvalidArgument, use));
+      using (session.Serve("fails", Log, Log, log => { throw new Exception("a\0b"); }))
+        Equal("a b",
+          Fails(Code.HandlerFailed, () => session.Call("fails", Log, Log, new DynamicMessage(Log), Patience)));
+    }
+  }
+
+  [Test]
   public static void TheLogGoesToTheProgram() {
     var lines = new BlockingCollection<string>();
     string file = Path.GetTempFileName();
