@@ -171,7 +171,7 @@ void ArrivingComponent::Begin() {
   one.core.SetState(ComponentState::kRunning);
   one.arrives = false;
   core_->begun = true;
-  for (const Core::Input& input : core_->inputs) input.gate->Hold(core_->wake, InputGate::Full::kBlocks);
+  for (const Core::Input& input : core_->inputs) input.gate->Hold(core_->wake, InputGate::Full::kWaits);
   (void)Work();
 }
 

@@ -82,7 +82,7 @@ void Components::Core::ConstructAgain(ComponentSetup setup, std::chrono::nanosec
     throw Error(Named(setup) + "its class cannot be saved.", {}, "Give it Save() and Restore().");
   }
   setup.state = one.Save(patience, [&] {
-    for (const auto& gate : one.core.gates()) gate->Hold([] {}, InputGate::Full::kBlocks);
+    for (const auto& gate : one.core.gates()) gate->Hold([] {}, InputGate::Full::kWaits);
     one.core.SetPlace(ContextCore::Place::kHeld);
   });
   std::vector<Error> faults;

@@ -4,11 +4,13 @@
 #include <chrono>
 
 #include "hgros/base/cause.hpp"
+#include "hgros/graph/running_node.hpp"
 
 namespace hgros {
 namespace {
 
 constexpr std::size_t kMostWaiting = 1024;
+constexpr std::size_t kFewWaiting = kMostWaiting / 2;  // Then the subscription brings more.
 constexpr std::chrono::milliseconds kDrainPatience{100};
 constexpr std::size_t kMostPublishers = 256;  // Whose positions are known.
 
@@ -17,6 +19,10 @@ constexpr std::size_t kMostPublishers = 256;  // Whose positions are known.
 InputGate::InputGate(std::string node, const TypeInfo& type, AnyCallback callback,
                      std::shared_ptr<ComponentGuard> guard)
     : node_(std::move(node)), type_(type), callback_(std::move(callback)), guard_(std::move(guard)) {}
+
+void InputGate::Continue() {
+  if (suspend_) std::exchange(suspend_, nullptr)(false);
+}
 
 void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
   guard_->Run([&] {
@@ -28,7 +34,7 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
         room_.wait_for(lock, kDrainPatience, [this] { return !drains_; });
       }
       room_.wait(lock, [this] {
-        return state_ != State::kHolds || waiting_.size() < kMostWaiting || full_ == Full::kDropsOldest;
+        return state_ != State::kHolds || waiting_.size() < kMostWaiting || full_ == Full::kDropsOldest || suspend_;
       });
       if (state_ == State::kClosed) return;
       if (state_ == State::kPasses) {
@@ -40,6 +46,10 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
           waiting_.pop_front();
         }
         waiting_.push_back({message, info});
+        if (waiting_.size() >= kMostWaiting && full_ == Full::kWaits && !suspend_) {
+          suspend_ = SuspenderOfRunningNode();
+          if (suspend_) suspend_(true);
+        }
         wake = wake_;
       }
     }
@@ -63,6 +73,7 @@ std::optional<InputGate::Waiting> InputGate::Next() {
   if (waiting_.empty()) return std::nullopt;
   Waiting next = std::move(waiting_.front());
   waiting_.pop_front();
+  if (waiting_.size() <= kFewWaiting) Continue();
   room_.notify_all();
   return next;
 }
@@ -87,6 +98,7 @@ void InputGate::Close() {
   state_ = State::kClosed;
   drains_.reset();
   dropped.swap(waiting_);
+  Continue();
   room_.notify_all();
 }
 

@@ -45,11 +45,12 @@ class InputGate {
   [[nodiscard]] const std::string& node() const noexcept { return node_; }
   [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
 
-  // When very many wait. kBlocks: the thread that brings one more waits, so that the publisher's limits hold here, too.
-  // kDropsOldest: they are not needed, because the other place of the component has them as well.
-  enum class Full { kBlocks, kDropsOldest };
+  // When very many wait. kWaits: the others wait in the queue of the subscription, so that the publisher's limits hold
+  // here, too; without a queue, the thread that brings one more waits. kDropsOldest: they are not needed, because the
+  // other place of the component has them as well.
+  enum class Full { kWaits, kDropsOldest };
 
-  // A message of the input.
+  // A message of the input; in the callback of its subscription.
   void Take(const AnyMessage& message, const MessageInfo& info);
   // From now on messages wait, and `wake` is called for each.
   void Hold(std::function<void()> wake, Full full);
@@ -74,6 +75,8 @@ class InputGate {
   enum class State { kPasses, kHolds, kClosed };
 
   void Note(const MessageInfo& info);
+  // Messages come again; the lock is held.
+  void Continue();
   // Whether it was handled in another place. Forgets the publisher's position there behind the first that was not.
   [[nodiscard]] bool Skips(const MessageInfo& info);
 
@@ -86,8 +89,9 @@ class InputGate {
   std::condition_variable room_;
   State state_ = State::kPasses;
   std::function<void()> wake_;
-  Full full_ = Full::kBlocks;
+  Full full_ = Full::kWaits;
   std::deque<Waiting> waiting_;
+  std::function<void(bool)> suspend_;      // Set while more wait in the queue of the subscription.
   std::optional<std::thread::id> drains_;  // Which thread handles them until none waits.
   std::vector<MessageInfo> skipped_;       // Up to where messages were handled in another place.
   std::vector<MessageInfo> positions_;     // Of each publisher, without the rest of what is known of the message.

@@ -19,7 +19,7 @@ InputGates::Asked InputGates::Ask(InputWiring wiring, AnyCallback callback, std:
     gates_.erase(found);
   }
   asked.fresh = std::make_shared<InputGate>(wiring.node, *wiring.type, std::move(callback), std::move(guard));
-  if (again_) asked.fresh->Hold([] {}, InputGate::Full::kBlocks);
+  if (again_) asked.fresh->Hold([] {}, InputGate::Full::kWaits);
   gates_.push_back({std::move(wiring), asked.fresh});
   return asked;
 }

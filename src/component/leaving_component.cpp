@@ -74,7 +74,7 @@ MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId 
   MovingState moving;
   moving.from = core_->session.id();
   moving.state = one.Save(patience, [&] {
-    for (const auto& gate : core_->gates) gate->Hold(core_->wake, InputGate::Full::kBlocks);
+    for (const auto& gate : core_->gates) gate->Hold(core_->wake, InputGate::Full::kWaits);
     one.core.SetPlace(ContextCore::Place::kHeld);
     core_->stage = Core::Stage::kHeld;
   });

@@ -81,7 +81,8 @@ ComponentSetup AdderSetup() { return {.name = "adder", .type = "test/Adder"}; }
 
 // A place of the component: a session of its own.
 struct Place {
-  Place() : components(session) {}
+  explicit Place(const std::string& config = "discovery: {lan: false}")
+      : session(Config::Parse(config), {.name = "place"}), components(session) {}
 
   void Start() {
     components.Add(AdderSetup());
@@ -90,7 +91,7 @@ struct Place {
   }
   [[nodiscard]] const Adder* adder() { return components.Find<Adder>("adder"); }
 
-  Session session{Config::Parse("discovery: {lan: false}"), {.name = "place"}};
+  Session session;
   Components components;
 };
 
@@ -271,6 +272,29 @@ TEST_F(ComponentMoveTest, AnArrivingComponentHoldsUpNoOther) {
     return leaving.all_passed() && seen().size() > kMany;
   }));
   EXPECT_EQ(seen(), UpTo(kMany + 1));
+}
+
+TEST_F(ComponentMoveTest, AComponentThatIsHeldHoldsUpNoOther) {
+  constexpr int kMany = 3000;
+  constexpr int kFull = 1024;  // From then on they wait in the queue.
+  Place one("{discovery: {lan: false}, data_graph: {threads: 1}}");
+  one.Start();
+  std::atomic<int> pings = 0;
+  const Subscription other =
+      one.session.FromAny<PoseInFrame>("ping", Invoke::kSerial, [&](const PoseInFrame&) { ++pings; });
+  const auto ping = outside_.Advertise<PoseInFrame>("ping");
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  ASSERT_TRUE(outside_.WaitForSubscribers("ping", 1, kPatience));
+  std::atomic<int> waiting = 0;
+  LeavingComponent leaving(one.components, "adder", [&] { ++waiting; });
+  (void)leaving.Hold(std::chrono::seconds(1));
+  for (int number = 1; number <= kMany; ++number) Publish(number);
+  ASSERT_TRUE(Await([&] { return waiting >= kFull; }));
+  EXPECT_EQ(ping(Numbered(1)), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return pings == 1; }));
+  leaving.Resume();
+  EXPECT_TRUE(SeesUpTo(kMany));
+  EXPECT_EQ(seen(), UpTo(kMany));
 }
 
 TEST_F(ComponentMoveTest, TakesItsStateServicesAndTimersWithIt) {

@@ -4,7 +4,7 @@
 
 namespace hgros {
 
-void CallbackGuard::DestroyOnce(GraphCore* graph, const Node* node, std::unique_lock<std::mutex>& lock,
+void CallbackGuard::DestroyOnce(GraphCore* graph, Node* node, std::unique_lock<std::mutex>& lock,
                                 std::condition_variable& changed) noexcept {
   if (destroyed_) return;
   destroyed_ = true;

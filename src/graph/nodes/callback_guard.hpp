@@ -26,7 +26,7 @@ class CallbackGuard {
   // Destroys the callback unless that was done before. The caller has made sure that no callback of `node` runs and
   // that none will. `lock` holds the node's mutex and is released meanwhile; `changed` is notified afterwards. `graph`
   // is set on a thread that has just run the callback: what the captures end does not wait for that thread.
-  void DestroyOnce(GraphCore* graph, const Node* node, std::unique_lock<std::mutex>& lock,
+  void DestroyOnce(GraphCore* graph, Node* node, std::unique_lock<std::mutex>& lock,
                    std::condition_variable& changed) noexcept;
   // A thread is in DestroyOnce(): threads that wait for the node must wait for this, too.
   [[nodiscard]] bool destroying() const noexcept { return destroying_; }

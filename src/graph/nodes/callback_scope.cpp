@@ -19,7 +19,7 @@ struct CallbackScope::ExitWatch {
   }
 };
 
-CallbackScope::CallbackScope(GraphCore* graph, const Node* node, const Cause& cause) noexcept
+CallbackScope::CallbackScope(GraphCore* graph, Node* node, const Cause& cause) noexcept
     : graph_(graph), node_(node), outer_(innermost), cause_(cause), outer_cause_(thread_cause) {
   thread_local ExitWatch watch;  // Made at the thread's first callback.
   innermost = this;
@@ -53,6 +53,8 @@ const Node* CallbackScope::NodeOf(const GraphCore* graph) noexcept {
   }
   return nullptr;
 }
+
+Node* CallbackScope::Innermost() noexcept { return innermost == nullptr ? nullptr : innermost->node_; }
 
 std::vector<const Node*> CallbackScope::Nodes() {
   std::vector<const Node*> nodes;

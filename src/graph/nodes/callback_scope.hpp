@@ -14,7 +14,7 @@ class Node;
 // ends before any static object does.
 class CallbackScope {
  public:
-  explicit CallbackScope(GraphCore* graph, const Node* node, const Cause& cause = {}) noexcept;
+  explicit CallbackScope(GraphCore* graph, Node* node, const Cause& cause = {}) noexcept;
   CallbackScope(const CallbackScope&) = delete;
   CallbackScope& operator=(const CallbackScope&) = delete;
   ~CallbackScope();
@@ -24,6 +24,8 @@ class CallbackScope {
   [[nodiscard]] static bool InNode(const Node* node) noexcept;
   // The innermost node of `graph` whose callback this thread runs; null if there is none.
   [[nodiscard]] static const Node* NodeOf(const GraphCore* graph) noexcept;
+  // The node whose callback this thread runs; null if it runs none.
+  [[nodiscard]] static Node* Innermost() noexcept;
   // The nodes whose callbacks this thread runs, each as often as it does.
   [[nodiscard]] static std::vector<const Node*> Nodes();
 
@@ -31,7 +33,7 @@ class CallbackScope {
   struct ExitWatch;
 
   GraphCore* graph_;
-  const Node* node_;
+  Node* node_;
   CallbackScope* outer_;
   const Cause cause_;
   const Cause* const outer_cause_;

@@ -45,7 +45,7 @@ void DedicatedNode::Start() {
 void DedicatedNode::Loop() noexcept {
   std::unique_lock lock(mutex_);
   for (;;) {
-    came_.wait(lock, [this] { return closed_ || HasMessages(); });
+    came_.wait(lock, [this] { return closed_ || MayRun(); });
     if (closed_) return;
     std::int64_t now = MonotonicNow();
     RunSome(lock, std::numeric_limits<std::size_t>::max(), now);

@@ -8,6 +8,7 @@
 #include "graph/nodes/callback_scope.hpp"
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/graph/running_node.hpp"
 
 namespace hgros {
 
@@ -112,6 +113,14 @@ NodeSnapshot Node::Snapshot() const {
   snapshot.queued = QueuedNow();
   AddStats(snapshot);
   return snapshot;
+}
+
+std::function<void(bool)> SuspenderOfRunningNode() {
+  Node* const node = CallbackScope::Innermost();
+  if (node == nullptr || !node->Suspend(false)) return nullptr;
+  return [weak = node->weak_from_this()](bool suspended) {
+    if (const std::shared_ptr<Node> now = weak.lock()) (void)now->Suspend(suspended);
+  };
 }
 
 }  // namespace hgros

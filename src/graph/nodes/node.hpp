@@ -94,6 +94,10 @@ class Node : public std::enable_shared_from_this<Node> {
   virtual std::size_t RunWaiting(std::size_t /*most*/) noexcept { return 0; }
   [[nodiscard]] virtual int descriptor() const noexcept { return -1; }
 
+  // Lets messages wait in the queue (true), or go on. Callbacks that run, and messages that a running one has taken out
+  // already, are not stopped. False: the node has no queue.
+  virtual bool Suspend(bool /*suspended*/) { return false; }
+
   // Waits after Close() for the end of the node's own thread, if it has one; does nothing on that thread.
   virtual void JoinThread() {}
 

@@ -26,7 +26,7 @@ void QueuedNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t&)
     Add(received_, std::uint64_t{1}, Writers::kOne);
     dropped = ring_.Push(delivery);
     if (dropped) Add(dropped_, std::uint64_t{1}, Writers::kOne);
-    wake = NeedsWake();
+    wake = !suspended_ && NeedsWake();
   }
   if (wake) Wake();
   if (dropped) [[unlikely]]
@@ -47,7 +47,7 @@ bool QueuedNode::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, Mess
     ring_.Cancel(sole.bytes);
     Add(received_, std::uint64_t{1}, Writers::kOne);
     ring_.Push({message, info, no_credit, sole.bytes, sole.last});
-    wake = NeedsWake();
+    wake = !suspended_ && NeedsWake();
   }
   if (wake) Wake();
   return true;
@@ -81,15 +81,25 @@ void QueuedNode::Preload(std::vector<QueuedMessage> messages) {
   Add(received_, std::uint64_t{preloaded_.size()}, Writers::kOne);
 }
 
-void QueuedNode::Start() {
-  // One wake for each: a concurrent node runs one message per wake.
-  for (;;) {
+void QueuedNode::WakeForWaiting() {
+  std::size_t most = 1;
+  for (std::size_t i = 0; i < most; ++i) {
     {
       const std::scoped_lock lock(mutex_);
-      if (!HasMessages() || closed_ || !NeedsWake()) return;
+      if (!MayRun() || closed_ || !NeedsWake()) return;
+      if (i == 0 && setting().invoke == Invoke::kConcurrent) most = QueuedHere();
     }
     Wake();
   }
+}
+
+bool QueuedNode::Suspend(bool suspended) {
+  {
+    const std::scoped_lock lock(mutex_);
+    suspended_ = suspended;
+  }
+  if (!suspended) WakeForWaiting();
+  return true;
 }
 
 QueuedMessage QueuedNode::PopNext() {
@@ -115,7 +125,7 @@ void QueuedNode::RunTaken(QueuedMessage& message, Writers writers, std::int64_t&
 
 void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept {
   const bool batches = Batches();
-  for (std::size_t taken = 0; taken < most && !closed_;) {
+  for (std::size_t taken = 0; taken < most && !closed_ && !suspended_;) {
     if (!HasMessages()) {
       if (taken < kFlood || !MoreCame(lock)) return;
       now = MonotonicNow();

@@ -24,12 +24,13 @@ class QueuedNode : public Node {
   bool Reserve(std::size_t bytes) noexcept override;
   bool CancelReservation(std::size_t bytes) noexcept override;
   void Preload(std::vector<QueuedMessage> messages) override;
-  void Start() override;
+  void Start() override { WakeForWaiting(); }
+  bool Suspend(bool suspended) override;
   void Close(bool wait) override;
   bool WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) override;
 
  protected:
-  // Called with the lock held when a message was queued. True: call Wake() after the lock is released.
+  // Called with the lock held when a message may run. True: call Wake() after the lock is released.
   virtual bool NeedsWake() = 0;
   virtual void Wake() noexcept = 0;
 
@@ -43,15 +44,20 @@ class QueuedNode : public Node {
   // Waiting messages; the lock is held.
   [[nodiscard]] std::size_t QueuedHere() const noexcept { return ring_.size() + preloaded_.size() - next_preloaded_; }
   [[nodiscard]] bool HasMessages() const noexcept { return QueuedHere() > 0; }
+  // Whether a callback may begin; the lock is held.
+  [[nodiscard]] bool MayRun() const noexcept { return HasMessages() && !suspended_; }
 
   alignas(64) mutable std::mutex mutex_;
   std::condition_variable changed_;  // running_ fell, or closed_ was set
   int running_ = 0;
+  bool suspended_ = false;
 
  private:
   static constexpr std::size_t kFlood = 16;  // This many messages in one go count as a flood.
   static constexpr int kPauses = 400;        // A few microseconds.
 
+  // One wake-up for each message that waits: a concurrent node runs one message per wake-up.
+  void WakeForWaiting();
   // Reserves room; the lock is held.
   [[nodiscard]] bool ReserveHere(std::size_t bytes) noexcept;
   // Whether a block of messages may be popped at once, which takes one lock instead of one per message.

@@ -1,8 +1,11 @@
 #include "graph/nodes/tbb_executor.hpp"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -19,6 +22,36 @@ int WorkerCount(int wanted) {
 }
 
 }  // namespace
+
+// Controls of TBB do not add up: the smallest holds. So there is one for all executors, since each has its own workers.
+struct TbbExecutor::Share::Limit {
+  std::mutex mutex;
+  std::size_t workers = 0;
+  std::optional<tbb::global_control> control;
+  void Apply() {
+    control.reset();
+    // TBB starts one thread less than allowed, because the caller usually takes part; ours does not.
+    if (workers > 0) control.emplace(tbb::global_control::max_allowed_parallelism, workers + 1);
+  }
+};
+
+// Not destroyed: executors of static objects may end later.
+TbbExecutor::Share::Limit& TbbExecutor::Share::limit() {
+  static auto* const limit = new Limit;
+  return *limit;
+}
+
+TbbExecutor::Share::Share(int workers) : workers_(static_cast<std::size_t>(workers)) {
+  const std::scoped_lock lock(limit().mutex);
+  limit().workers += workers_;
+  limit().Apply();
+}
+
+TbbExecutor::Share::~Share() {
+  const std::scoped_lock lock(limit().mutex);
+  limit().workers -= workers_;
+  limit().Apply();
+}
 
 // Nodes that a body made ready and that its own thread runs next.
 class TbbExecutor::Chain {
@@ -106,7 +139,7 @@ class TbbExecutor::Arrival final : public Activation {
 };
 
 // TBB would start them with the first message; if it cannot, it throws there, or ends the process. Workers belong to
-// the process. Those of another session's executor may be busy, or may be all that TBB allows, so the wait is short.
+// the process, and the program's own use of TBB may keep them busy, so the wait is short.
 void TbbExecutor::StartWorkers() {
   if (OnWorker::Is()) return;  // They run already, and this one cannot come.
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) - 1;
@@ -118,11 +151,8 @@ void TbbExecutor::StartWorkers() {
   Arrival::Wait(*meeting, lock);
 }
 
-// TBB starts one thread less than allowed, because the caller usually takes part; ours does not.
 TbbExecutor::TbbExecutor(int threads)
-    : one_worker_(WorkerCount(threads) == 1),
-      workers_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(WorkerCount(threads)) + 1),
-      arena_(WorkerCount(threads), 0) {
+    : one_worker_(WorkerCount(threads) == 1), share_(WorkerCount(threads)), arena_(WorkerCount(threads), 0) {
   const std::string count = std::to_string(WorkerCount(threads));
   RequireThreads(static_cast<std::size_t>(WorkerCount(threads)),
                  "the " + count + " workers of the data graph (data_graph: {threads: " + count + "})");

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tbb/flow_graph.h>
-#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <atomic>
@@ -61,6 +60,19 @@ class TbbExecutor {
   [[nodiscard]] bool slot_taken() const noexcept { return slot_taken_->load(std::memory_order_relaxed); }
 
  private:
+  // The share of one executor in the limit that TBB has for all threads of the process.
+  class Share {
+   public:
+    explicit Share(int workers);
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
+    ~Share();
+
+   private:
+    struct Limit;
+    static Limit& limit();
+    const std::size_t workers_;
+  };
   class Arrival;
   class Chain;
   struct Enqueued;
@@ -73,7 +85,7 @@ class TbbExecutor {
   mutable std::atomic<std::size_t> runs_ended_{0};
 #endif
   const bool one_worker_;
-  tbb::global_control workers_;
+  const Share share_;
   tbb::task_arena arena_;
   std::unique_ptr<tbb::flow::graph> graph_;
   std::mutex mutex_;

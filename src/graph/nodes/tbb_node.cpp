@@ -54,7 +54,7 @@ void TbbNode::Activate() noexcept {
     return;
   }
   RunSome(lock, kTurn, now);
-  if (HasMessages() && !closed_) {
+  if (MayRun() && !closed_) {
     lock.unlock();
     HandToWorkers();  // The token goes to the end of the workers' queue.
   } else {

@@ -10,8 +10,8 @@ namespace hgros {
 namespace {
 
 TEST(CallbackGuard, DestroysTheCallbackOnceOutsideTheLockAndInsideTheNode) {
-  const int object = 0;
-  const auto* const node = reinterpret_cast<const Node*>(&object);  // Only compared.
+  int object = 0;
+  auto* const node = reinterpret_cast<Node*>(&object);  // Only compared.
   std::mutex mutex;
   std::condition_variable changed;
   CallbackGuard* guarded = nullptr;

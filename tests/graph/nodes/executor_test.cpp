@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
+#include <atomic>
 #include <set>
 #include <thread>
+#include <vector>
 
 #include "graph/graph_fixture.hpp"
 #include "hgros/base/error.hpp"
@@ -150,6 +152,24 @@ TEST(Executor, TwoBusyNodesDoNotStarveAThirdOnOneWorker) {
     EXPECT_TRUE(Await([&] { return third == i; }));
   }
   ends = true;
+}
+
+TEST(TbbExecutor, EveryGraphHasItsOwnWorkers) {
+  DataGraph one({.threads = 1, .overrides = {}, .publisher = {}});
+  DataGraph other({.threads = 2, .overrides = {}, .publisher = {}});
+  std::atomic<int> busy = 0;
+  std::atomic<bool> go_on = false;
+  const auto wait = [&](const int&) {
+    ++busy;
+    (void)Await([&] { return go_on.load(); });
+  };
+  std::vector<Subscription> subscriptions;
+  subscriptions.push_back(one.FromGraph<int>("c", Invoke::kSerial, wait, {}));
+  for (int i = 0; i < 2; ++i) subscriptions.push_back(other.FromGraph<int>("c", Invoke::kSerial, wait, {}));
+  EXPECT_EQ(one.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
+  EXPECT_EQ(other.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return busy == 3; })) << busy << " of 3 callbacks run at once.";
+  go_on = true;
 }
 
 }  // namespace
