@@ -9,9 +9,10 @@ namespace Hgros {
   // No exception leaves such a call: it would have to unwind through C.
   internal static class Callbacks {
     [ThreadStatic] private static int depth;
-    [ThreadStatic] private static bool known; // Whether this thread has run a callback.
+    [ThreadStatic] private static bool known; // Whether this thread was here before.
 
     internal static readonly Native.Release Release = user => {
+      if (!known) LeaveOutOfShutdown(); // It may be all that this thread ever runs.
       if (user != IntPtr.Zero) GCHandle.FromIntPtr(user).Free();
     };
 
@@ -19,6 +20,20 @@ namespace Hgros {
     internal static bool Running => depth > 0;
 
     internal static IntPtr User(object target) => GCHandle.ToIntPtr(GCHandle.Alloc(target));
+
+    // Calls the library with a target, which the library releases, also if it refuses. A call that does not reach the
+    // library, such as one with a disposed handle, releases it here.
+    internal static void Give(object target, Func<IntPtr, int> call) {
+      IntPtr user = User(target);
+      int status;
+      try {
+        status = call(user);
+      } catch {
+        GCHandle.FromIntPtr(user).Free();
+        throw;
+      }
+      HgrosException.Check(status);
+    }
 
     internal static T Target<T>(IntPtr user) => (T)GCHandle.FromIntPtr(user).Target;
 

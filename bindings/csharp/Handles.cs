@@ -9,6 +9,18 @@ namespace Hgros {
   internal abstract class Handle : SafeHandleZeroOrMinusOneIsInvalid {
     protected Handle() : base(true) {}
 
+    // After AtExit, finalizers run, but no callback enters Mono or leaves it any more: what waits for one would wait
+    // for ever. Then the system frees everything.
+    protected sealed override bool ReleaseHandle() {
+      if (Environment.HasShutdownStarted) Leave();
+      else Close(handle);
+      return true;
+    }
+
+    protected abstract void Close(IntPtr opened);
+
+    protected virtual void Leave() {}
+
     // What must wait for callbacks is closed on another thread if this one runs a callback.
     protected static void Outside(Action close) {
       if (Callbacks.Running) ThreadPool.QueueUserWorkItem(_ => close());
@@ -19,71 +31,47 @@ namespace Hgros {
   internal sealed class SessionHandle : Handle {
     internal readonly ManualResetEventSlim Freed = new ManualResetEventSlim();
 
-    protected override bool ReleaseHandle() {
-      IntPtr session = handle;
-      Outside(() => {
-        Native.hgros_session_close(session);
-        Freed.Set();
-      });
-      return true;
+    public SessionHandle() {
+      AtExit.Add(this);
     }
+
+    protected override void Close(IntPtr opened) => Outside(() => {
+      Native.hgros_session_close(opened);
+      Freed.Set();
+    });
+
+    protected override void Leave() => Freed.Set();
   }
 
   internal sealed class SchemaHandle : Handle {
-    protected override bool ReleaseHandle() {
-      Native.hgros_schema_free(handle);
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Native.hgros_schema_free(opened);
   }
 
   internal sealed class PublisherHandle : Handle {
-    protected override bool ReleaseHandle() {
-      Native.hgros_publisher_close(handle);
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Native.hgros_publisher_close(opened);
   }
 
   internal sealed class SubscriptionHandle : Handle {
-    protected override bool ReleaseHandle() {
-      Native.hgros_subscription_close(handle);
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Native.hgros_subscription_close(opened);
   }
 
   internal sealed class ServiceHandle : Handle {
-    protected override bool ReleaseHandle() {
-      Native.hgros_service_close(handle);
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Native.hgros_service_close(opened);
   }
 
   internal sealed class PendingCallHandle : Handle {
-    protected override bool ReleaseHandle() {
-      Native.hgros_call_free(handle);
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Native.hgros_call_free(opened);
   }
 
   internal sealed class WatchHandle : Handle {
-    protected override bool ReleaseHandle() {
-      Native.hgros_watch_close(handle);
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Native.hgros_watch_close(opened);
   }
 
   internal sealed class ParamsHandle : Handle {
-    protected override bool ReleaseHandle() {
-      IntPtr parameters = handle;
-      Outside(() => Native.hgros_params_close(parameters));
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Outside(() => Native.hgros_params_close(opened));
   }
 
   internal sealed class TransformsHandle : Handle {
-    protected override bool ReleaseHandle() {
-      IntPtr transforms = handle;
-      Outside(() => Native.hgros_transforms_close(transforms));
-      return true;
-    }
+    protected override void Close(IntPtr opened) => Outside(() => Native.hgros_transforms_close(opened));
   }
 }

@@ -22,8 +22,10 @@ namespace Hgros {
       this.received = received ?? throw new ArgumentNullException(nameof(received));
       what = "The callback of channel \"" + channel + "\"";
       Native.SubscribeOptions chosen = (options ?? new SubscribeOptions()).ForLibrary(schema);
-      HgrosException.Check(Native.hgros_subscribe(opened, channel, ref chosen, Received, Callbacks.User(this),
-        Callbacks.Release, out handle));
+      SubscriptionHandle made = null;
+      Callbacks.Give(this, user => Native.hgros_subscribe(opened, Texts.Uncut(channel), ref chosen, Received,
+        user, Callbacks.Release, out made));
+      handle = made;
       GC.KeepAlive(schema);
     }
 

@@ -50,7 +50,7 @@ namespace Hgros {
       Declare(path, Kind.Number, Yaml(fallback), info);
     /// <summary>The same for a text.</summary>
     public void Declare(string path, string fallback, ParamInfo info = null) =>
-      Declare(path, Kind.Text, Yaml(fallback), info);
+      Declare(path, Kind.Text, Yaml(Texts.Uncut(fallback)), info);
     /// <summary>The same for a list of numbers.</summary>
     public void Declare(string path, double[] fallback, ParamInfo info = null) =>
       Declare(path, Kind.Numbers, Yaml(fallback), info);
@@ -58,15 +58,16 @@ namespace Hgros {
     private void Declare(string path, Kind kind, string fallback, ParamInfo info) {
       var chosen = new Native.ParamInfo {
         Size = Native.SizeOf<Native.ParamInfo>(), ReadOnly = info != null && info.ReadOnly ? 1 : 0,
-        Description = info?.Description, Unit = info?.Unit, HasLeast = info?.Least == null ? 0 : 1,
-        Least = info?.Least ?? 0, HasMost = info?.Most == null ? 0 : 1, Most = info?.Most ?? 0
+        Description = Texts.Uncut(info?.Description), Unit = Texts.Uncut(info?.Unit),
+        HasLeast = info?.Least == null ? 0 : 1, Least = info?.Least ?? 0,
+        HasMost = info?.Most == null ? 0 : 1, Most = info?.Most ?? 0
       };
-      IntPtr[] choices = (info?.Choices ?? new string[0]).Select(Marshal.StringToHGlobalAnsi).ToArray();
+      IntPtr[] choices = Texts.Uncut(info?.Choices ?? new string[0]).Select(Marshal.StringToHGlobalAnsi).ToArray();
       GCHandle pinned = GCHandle.Alloc(choices, GCHandleType.Pinned);
       try {
         chosen.Choices = pinned.AddrOfPinnedObject();
         chosen.ChoiceCount = (UIntPtr)(uint)choices.Length;
-        HgrosException.Check(Native.hgros_params_declare(handle, path, (int)kind, fallback, ref chosen));
+        HgrosException.Check(Native.hgros_params_declare(handle, Texts.Uncut(path), (int)kind, fallback, ref chosen));
       } finally {
         pinned.Free();
         foreach (IntPtr choice in choices) Marshal.FreeHGlobal(choice);
@@ -76,35 +77,35 @@ namespace Hgros {
     /// <summary>Reads a value.</summary>
     public bool GetBool(string path) {
       int value;
-      HgrosException.Check(Native.hgros_params_get_bool(handle, path, out value));
+      HgrosException.Check(Native.hgros_params_get_bool(handle, Texts.Uncut(path), out value));
       return value != 0;
     }
 
     /// <summary>Reads a value.</summary>
     public long GetInteger(string path) {
       long value;
-      HgrosException.Check(Native.hgros_params_get_integer(handle, path, out value));
+      HgrosException.Check(Native.hgros_params_get_integer(handle, Texts.Uncut(path), out value));
       return value;
     }
 
     /// <summary>Reads a value.</summary>
     public double GetNumber(string path) {
       double value;
-      HgrosException.Check(Native.hgros_params_get_number(handle, path, out value));
+      HgrosException.Check(Native.hgros_params_get_number(handle, Texts.Uncut(path), out value));
       return value;
     }
 
     /// <summary>Reads a value.</summary>
     public string GetText(string path) {
       IntPtr value;
-      HgrosException.Check(Native.hgros_params_get_text(handle, path, out value));
+      HgrosException.Check(Native.hgros_params_get_text(handle, Texts.Uncut(path), out value));
       return Taken(value);
     }
 
     /// <summary>Reads any value as YAML. An empty path is the whole tree.</summary>
     public string GetYaml(string path) {
       IntPtr yaml;
-      HgrosException.Check(Native.hgros_params_get(handle, path, out yaml));
+      HgrosException.Check(Native.hgros_params_get(handle, Texts.Uncut(path), out yaml));
       return Taken(yaml);
     }
 
@@ -116,24 +117,24 @@ namespace Hgros {
 
     /// <summary>Sets a value. Code.Refused says why it cannot be that.</summary>
     public void Set(string path, bool value) =>
-      HgrosException.Check(Native.hgros_params_set_bool(handle, path, value ? 1 : 0));
+      HgrosException.Check(Native.hgros_params_set_bool(handle, Texts.Uncut(path), value ? 1 : 0));
     /// <summary>The same for an integer.</summary>
     public void Set(string path, long value) =>
-      HgrosException.Check(Native.hgros_params_set_integer(handle, path, value));
+      HgrosException.Check(Native.hgros_params_set_integer(handle, Texts.Uncut(path), value));
     /// <summary>The same for a number.</summary>
     public void Set(string path, double value) =>
-      HgrosException.Check(Native.hgros_params_set_number(handle, path, value));
+      HgrosException.Check(Native.hgros_params_set_number(handle, Texts.Uncut(path), value));
     /// <summary>The same for a text.</summary>
     public void Set(string path, string value) =>
-      HgrosException.Check(Native.hgros_params_set_text(handle, path, value));
+      HgrosException.Check(Native.hgros_params_set_text(handle, Texts.Uncut(path), Texts.Uncut(value)));
     /// <summary>The same for a list of numbers.</summary>
     public void Set(string path, double[] value) => SetYaml(path, Yaml(value));
     /// <summary>Sets a value as YAML, such as "{x: 1}".</summary>
     public void SetYaml(string path, string yaml) =>
-      HgrosException.Check(Native.hgros_params_set(handle, path, yaml));
+      HgrosException.Check(Native.hgros_params_set(handle, Texts.Uncut(path), Texts.Uncut(yaml)));
 
     /// <summary>Removes a value; a declared parameter returns to its fallback.</summary>
-    public void Remove(string path) => HgrosException.Check(Native.hgros_params_remove(handle, path));
+    public void Remove(string path) => HgrosException.Check(Native.hgros_params_remove(handle, Texts.Uncut(path)));
 
     /// <summary>Writes what was set at run time into the files of this program.</summary>
     public void Save() => HgrosException.Check(Native.hgros_params_save(handle));
@@ -172,7 +173,7 @@ namespace Hgros {
     public Params OpenParams(params string[] files) {
       ParamsHandle opened;
       HgrosException.Check(
-        Native.hgros_params_open(handle, files, (UIntPtr)(uint)files.Length, out opened));
+        Native.hgros_params_open(handle, Texts.Uncut(files), (UIntPtr)(uint)files.Length, out opened));
       return new Params(this, opened);
     }
 
@@ -181,7 +182,7 @@ namespace Hgros {
     public Params ParamsOf(string name, TimeSpan timeout) {
       ParamsHandle opened;
       HgrosException.Check(
-        Native.hgros_params_of(handle, name, Waiting.Nanoseconds(timeout), out opened));
+        Native.hgros_params_of(handle, Texts.Uncut(name), Waiting.Nanoseconds(timeout), out opened));
       return new Params(this, opened);
     }
   }

@@ -127,7 +127,7 @@ namespace Hgros {
       };
       PublisherHandle publisher;
       HgrosException.Check(
-        Native.hgros_publisher_open(handle, channel, schema.Handle, ref options, out publisher));
+        Native.hgros_publisher_open(handle, Texts.Uncut(channel), schema.Handle, ref options, out publisher));
       return new RawPublisher(this, publisher);
     }
 

@@ -39,7 +39,7 @@ namespace Hgros {
 
     private static Schema Create(string typeName, Encoding encoding, ulong fingerprint, byte[] set) {
       SchemaHandle handle;
-      int status = Native.hgros_schema_create(typeName, (int)encoding, fingerprint, set,
+      int status = Native.hgros_schema_create(Texts.Uncut(typeName), (int)encoding, fingerprint, set,
         (UIntPtr)(ulong)(set?.LongLength ?? 0), out handle);
       return new Schema(status, handle);
     }
@@ -47,7 +47,7 @@ namespace Hgros {
     /// <summary>A type that comes with the library, such as "foxglove.Log".</summary>
     public static Schema Known(string typeName) {
       SchemaHandle handle;
-      int status = Native.hgros_schema_known(typeName, out handle);
+      int status = Native.hgros_schema_known(Texts.Uncut(typeName), out handle);
       return new Schema(status, handle);
     }
 

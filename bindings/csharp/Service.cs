@@ -25,7 +25,8 @@ namespace Hgros {
         HgrosException.Check(Native.hgros_reply_set(reply, answer, (UIntPtr)(ulong)answer.LongLength));
       }, exception => {
         var refused = exception as HgrosException;
-        HgrosException.Check(Native.hgros_reply_fail(reply, refused?.Sentence ?? exception.Message));
+        string sentence = Texts.WithoutZeros(refused?.Sentence ?? exception.Message);
+        HgrosException.Check(Native.hgros_reply_fail(reply, sentence));
       });
 
     private readonly Session session;
@@ -37,13 +38,15 @@ namespace Hgros {
       this.session = session;
       this.handler = handler;
       var chosen = new Native.ServeOptions {
-        Size = Native.SizeOf<Native.ServeOptions>(), Name = options?.Name,
+        Size = Native.SizeOf<Native.ServeOptions>(), Name = Texts.Uncut(options?.Name),
         MostWaiting = checked((ulong)(options?.MostWaiting ?? 0)),
         Concurrent = options != null && options.Concurrent ? 1 : 0,
         Executor = (int)(options?.Executor ?? Executor.Workers)
       };
-      HgrosException.Check(Native.hgros_serve(opened, name, request.Handle, reply.Handle, ref chosen, Requested,
-        Callbacks.User(this), Callbacks.Release, out handle));
+      ServiceHandle made = null;
+      Callbacks.Give(this, user => Native.hgros_serve(opened, Texts.Uncut(name), request.Handle, reply.Handle,
+        ref chosen, Requested, user, Callbacks.Release, out made));
+      handle = made;
     }
 
     /// <summary>Withdraws the service: requests that wait fail. Outside callbacks it waits for running handlers.
@@ -75,7 +78,7 @@ namespace Hgros {
       MessageType<TReply> replyType, TRequest request, TimeSpan? timeout = null) {
       byte[] data = requestType.Write(request);
       IntPtr reply;
-      HgrosException.Check(Native.hgros_call(handle, name, requestType.Schema.Handle, data,
+      HgrosException.Check(Native.hgros_call(handle, Texts.Uncut(name), requestType.Schema.Handle, data,
         (UIntPtr)(ulong)data.LongLength, replyType.Schema.Handle, Waiting.Nanoseconds(timeout), out reply));
       using (var message = new Message(reply)) return message.Read(replyType);
     }
@@ -92,10 +95,10 @@ namespace Hgros {
         else if (status != 0) ended.TrySetException(new HgrosException((Code)status, sentence));
         else Settle(ended, reply, replyType);
       };
-      PendingCallHandle call;
-      HgrosException.Check(Native.hgros_call_later(handle, name, requestType.Schema.Handle, data,
-        (UIntPtr)(ulong)data.LongLength, replyType.Schema.Handle, Waiting.Nanoseconds(timeout), Replied,
-        Callbacks.User(replied), Callbacks.Release, out call));
+      PendingCallHandle call = null;
+      Callbacks.Give(replied, user => Native.hgros_call_later(handle, Texts.Uncut(name), requestType.Schema.Handle,
+        data, (UIntPtr)(ulong)data.LongLength, replyType.Schema.Handle, Waiting.Nanoseconds(timeout), Replied, user,
+        Callbacks.Release, out call));
       using (call)
       using (token.Register(() => Native.hgros_call_cancel(call)))
         return await ended.Task.ConfigureAwait(false);

@@ -41,14 +41,16 @@ namespace Hgros {
     /// <summary>Opens a session with a configuration as YAML. Without one it finds the sessions of this user on
     /// this host.</summary>
     public Session(string yaml = null, SessionOptions options = null) {
+      string text = Texts.Uncut(yaml);
       Native.SessionOptions chosen = Chosen(options);
-      HgrosException.Check(Native.hgros_session_open(yaml, ref chosen, out handle));
+      HgrosException.Check(Native.hgros_session_open(text, ref chosen, out handle));
     }
 
     private Session(string[] files, SessionOptions options) {
+      string[] paths = Texts.Uncut(files);
       Native.SessionOptions chosen = Chosen(options);
       HgrosException.Check(
-        Native.hgros_session_open_files(files, (UIntPtr)(uint)files.Length, ref chosen, out handle));
+        Native.hgros_session_open_files(paths, (UIntPtr)(uint)files.Length, ref chosen, out handle));
     }
 
     /// <summary>Opens a session with configuration files, which are merged.</summary>
@@ -57,7 +59,7 @@ namespace Hgros {
 
     private static Native.SessionOptions Chosen(SessionOptions options) {
       var chosen = new Native.SessionOptions {
-        Size = Native.SizeOf<Native.SessionOptions>(), Name = options?.Name
+        Size = Native.SizeOf<Native.SessionOptions>(), Name = Texts.Uncut(options?.Name)
       };
       if (options?.Log != null) {
         chosen.Log = WriteLog;
@@ -88,7 +90,7 @@ namespace Hgros {
 
     /// <summary>Writes a line into the session's log.</summary>
     public void Log(LogLevel level, string line) =>
-      HgrosException.Check(Native.hgros_session_log(handle, (int)level, line));
+      HgrosException.Check(Native.hgros_session_log(handle, (int)level, Texts.Uncut(line)));
 
     /// <summary>Lines below a level are not written from now on.</summary>
     public void SetLogLevel(LogLevel level) =>
@@ -98,13 +100,13 @@ namespace Hgros {
     public void WaitForSubscribers(string channel, int count = 1, TimeSpan? timeout = null,
       CancellationToken token = default) =>
       Waiting.Run(timeout, token, left =>
-        Native.hgros_session_wait_for_subscribers(handle, channel, (UIntPtr)(uint)count, left));
+        Native.hgros_session_wait_for_subscribers(handle, Texts.Uncut(channel), (UIntPtr)(uint)count, left));
 
     /// <summary>Waits until at least this many other sessions that publish on a channel are connected.</summary>
     public void WaitForPublishers(string channel, int count = 1, TimeSpan? timeout = null,
       CancellationToken token = default) =>
       Waiting.Run(timeout, token, left =>
-        Native.hgros_session_wait_for_publishers(handle, channel, (UIntPtr)(uint)count, left));
+        Native.hgros_session_wait_for_publishers(handle, Texts.Uncut(channel), (UIntPtr)(uint)count, left));
 
     /// <summary>Wakes all that wait for the session; every later call throws HgrosException with Code.Closed. It
     /// does not wait. Dispose the session later.</summary>
@@ -147,7 +149,7 @@ namespace Hgros {
     // Runs a callback of the program; what it throws is counted and goes to the log.
     internal void Run(string what, Action callback) => Callbacks.Run(callback, exception => {
       Interlocked.Increment(ref failedCallbacks);
-      string line = (what + " threw " + exception).Replace(Environment.NewLine, " ");
+      string line = Texts.WithoutZeros((what + " threw " + exception).Replace(Environment.NewLine, " "));
       Native.hgros_session_log(handle, (int)LogLevel.Error, line);
     });
   }

@@ -33,7 +33,7 @@ namespace Hgros {
 
     internal Native.SubscribeOptions ForLibrary(Schema type) {
       return new Native.SubscribeOptions {
-        Size = Native.SizeOf<Native.SubscribeOptions>(), Name = Name,
+        Size = Native.SizeOf<Native.SubscribeOptions>(), Name = Texts.Uncut(Name),
         Schema = type == null ? IntPtr.Zero : type.Handle.DangerousGetHandle(),
         KeepLast = checked((ulong)KeepLast), KeepAll = checked((ulong)KeepAll),
         KeepAllBytes = checked((ulong)KeepAllBytes), Concurrent = Concurrent ? 1 : 0,
@@ -184,7 +184,7 @@ namespace Hgros {
     private RawSubscription SubscribeAs(string channel, SubscribeOptions options, Schema schema) {
       Native.SubscribeOptions chosen = (options ?? new SubscribeOptions()).ForLibrary(schema);
       SubscriptionHandle queue;
-      HgrosException.Check(Native.hgros_subscribe_queue(handle, channel, ref chosen, out queue));
+      HgrosException.Check(Native.hgros_subscribe_queue(handle, Texts.Uncut(channel), ref chosen, out queue));
       GC.KeepAlive(schema);
       return new RawSubscription(this, queue);
     }

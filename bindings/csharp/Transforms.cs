@@ -46,24 +46,26 @@ namespace Hgros {
 
     /// <summary>Sets and sends the pose of a child frame in its parent at the pose's stamp.</summary>
     public void Set(string parent, string child, Transform pose) =>
-      HgrosException.Check(Native.hgros_transforms_set(handle, parent, child, ref pose));
+      HgrosException.Check(Native.hgros_transforms_set(handle, Texts.Uncut(parent), Texts.Uncut(child), ref pose));
 
     /// <summary>The same for a pose that does not move: sessions that join later get it, too.</summary>
     public void SetStatic(string parent, string child, Transform pose) =>
-      HgrosException.Check(Native.hgros_transforms_set_static(handle, parent, child, ref pose));
+      HgrosException.Check(Native.hgros_transforms_set_static(handle, Texts.Uncut(parent), Texts.Uncut(child),
+        ref pose));
 
     /// <summary>The transform from a source frame to a target at the latest time that all edges between them
     /// have.</summary>
     public Transform Lookup(string target, string source) {
       Transform found;
-      HgrosException.Check(Native.hgros_transforms_lookup(handle, target, source, out found));
+      HgrosException.Check(Native.hgros_transforms_lookup(handle, Texts.Uncut(target), Texts.Uncut(source), out found));
       return found;
     }
 
     /// <summary>The same at a time in ns.</summary>
     public Transform LookupAt(string target, string source, long time) {
       Transform found;
-      HgrosException.Check(Native.hgros_transforms_lookup_at(handle, target, source, time, out found));
+      HgrosException.Check(Native.hgros_transforms_lookup_at(handle, Texts.Uncut(target), Texts.Uncut(source),
+        time, out found));
       return found;
     }
 
@@ -72,7 +74,7 @@ namespace Hgros {
       CancellationToken token = default) {
       Transform found = default;
       Waiting.Run(timeout, token,
-        left => Native.hgros_transforms_wait(handle, target, source, time, left, out found));
+        left => Native.hgros_transforms_wait(handle, Texts.Uncut(target), Texts.Uncut(source), time, left, out found));
       return found;
     }
 

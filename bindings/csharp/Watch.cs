@@ -28,7 +28,7 @@ namespace Hgros {
     internal static Watch ForParams(Session session, ParamsHandle parameters, string path,
       Action<string, string> changed) {
       var watch = new Watch(session) { changed = changed ?? throw new ArgumentNullException(nameof(changed)) };
-      HgrosException.Check(Native.hgros_params_watch(parameters, path, Changed, Callbacks.User(watch),
+      Callbacks.Give(watch, user => Native.hgros_params_watch(parameters, Texts.Uncut(path), Changed, user,
         Callbacks.Release, out watch.handle));
       return session.Keep(watch);
     }
@@ -36,7 +36,7 @@ namespace Hgros {
     internal static Watch ForPeers(Session session, SessionHandle opened,
       Action<PeerEvent, Peer, string, string> happened) {
       var watch = new Watch(session) { happened = happened ?? throw new ArgumentNullException(nameof(happened)) };
-      HgrosException.Check(Native.hgros_watch_peers(opened, Happened, Callbacks.User(watch), Callbacks.Release,
+      Callbacks.Give(watch, user => Native.hgros_watch_peers(opened, Happened, user, Callbacks.Release,
         out watch.handle));
       return session.Keep(watch);
     }

@@ -46,6 +46,9 @@ func (s *Session) NewTimer(name string, period time.Duration, turn func(Tick), o
 	if turn == nil {
 		return nil, &Error{InvalidArgument, "The function of the timer \"" + name + "\" is nil."}
 	}
+	if err := uncut("The name of the timer", name); err != nil {
+		return nil, err
+	}
 	text := C.CString(name)
 	defer C.free(unsafe.Pointer(text))
 	var chosen TimerOptions

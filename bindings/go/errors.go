@@ -4,7 +4,9 @@ package hgros
 import "C"
 
 import (
+	"fmt"
 	"runtime"
+	"strings"
 	"sync"
 )
 
@@ -49,6 +51,17 @@ func (e *Error) Error() string { return "hgros: " + e.Code.Error() + ": " + e.Se
 
 // Unwrap makes errors.Is compare codes.
 func (e *Error) Unwrap() error { return e.Code }
+
+// uncut refuses texts that C would cut.
+func uncut(what string, texts ...string) error {
+	for _, text := range texts {
+		if strings.IndexByte(text, 0) >= 0 {
+			return &Error{InvalidArgument,
+				fmt.Sprintf("%s is %q, but a text must not have the character U+0000.", what, text)}
+		}
+	}
+	return nil
+}
 
 // check runs one call of the library and reads its sentence on the same thread, where the library keeps it.
 func check(call func() C.hgros_status) error {
@@ -112,15 +125,22 @@ func (g *guard) do(what string, call func() C.hgros_status) error {
 	return check(call)
 }
 
-// closeWith closes what the library may refuse to close inside callbacks; then it stays open.
+// closeWith closes what the library refuses to close inside callbacks: there, a goroutine does it.
 func (g *guard) closeWith(call func() C.hgros_status) error {
 	var failure error
-	g.mutex.Lock()
-	g.free = func() {
+	free := func() {
 		err := check(call)
 		g.mutex.Lock()
 		defer g.mutex.Unlock()
 		failure, g.closed = err, err == nil
+	}
+	g.mutex.Lock()
+	g.free = func() {
+		if C.GoInCallback() > 0 {
+			go free()
+		} else {
+			free()
+		}
 	}
 	g.mutex.Unlock()
 	g.close()

@@ -44,6 +44,9 @@ func newSchema(create func(handle **C.hgros_schema) C.hgros_status) (*Schema, er
 // RawSchema names a type of your own whose bytes this package does not know. The fingerprint may be 0: then types are
 // compared by name and encoding alone.
 func RawSchema(typeName string, encoding Encoding, fingerprint uint64) (*Schema, error) {
+	if err := uncut("The name of a type", typeName); err != nil {
+		return nil, err
+	}
 	name := C.CString(typeName)
 	defer C.free(unsafe.Pointer(name))
 	return newSchema(func(handle **C.hgros_schema) C.hgros_status {
@@ -53,6 +56,9 @@ func RawSchema(typeName string, encoding Encoding, fingerprint uint64) (*Schema,
 
 // KnownSchema is a type that comes with the library, such as "foxglove.Log".
 func KnownSchema(typeName string) (*Schema, error) {
+	if err := uncut("The name of a type", typeName); err != nil {
+		return nil, err
+	}
 	name := C.CString(typeName)
 	defer C.free(unsafe.Pointer(name))
 	return newSchema(func(handle **C.hgros_schema) C.hgros_status { return C.hgros_schema_known(name, handle) })

@@ -22,6 +22,9 @@ type Params struct {
 // Params reads the parameters of this program from YAML files, later ones over earlier ones. Other sessions may read,
 // watch and set them under the session's name.
 func (s *Session) Params(files ...string) (*Params, error) {
+	if err := uncut("The path of a file", files...); err != nil {
+		return nil, err
+	}
 	list, release := textList(files)
 	defer release()
 	params := &Params{session: s}
@@ -37,6 +40,9 @@ func (s *Session) Params(files ...string) (*Params, error) {
 // ParamsOf are the parameters that a session offers under its name. Each function asks that session, and waits at most
 // the timeout.
 func (s *Session) ParamsOf(name string, timeout time.Duration) (*Params, error) {
+	if err := uncut("The name of the other session", name); err != nil {
+		return nil, err
+	}
 	text := C.CString(name)
 	defer C.free(unsafe.Pointer(text))
 	params := &Params{session: s}
@@ -49,8 +55,8 @@ func (s *Session) ParamsOf(name string, timeout time.Duration) (*Params, error) 
 	return params, nil
 }
 
-// Close ends the parameters; those of a closed session may be closed, too. WouldDeadlock inside a callback of the
-// session: then they stay open.
+// Close ends the parameters; those of a closed session may be closed, too. Inside a callback of the session or of the
+// parameters it does not wait for it: the rest is done once the callback has returned.
 func (p *Params) Close() error {
 	return p.closeWith(func() C.hgros_status { return C.hgros_params_close(p.handle) })
 }
@@ -89,6 +95,15 @@ func (p *Params) Declare(path string, fallback any, info *ParamInfo) error {
 	if info == nil {
 		info = &ParamInfo{}
 	}
+	if text, ok := fallback.(string); ok {
+		if err := uncut("The value of a parameter", text); err != nil {
+			return err
+		}
+	}
+	given := append([]string{path, info.Description, info.Unit}, info.Choices...)
+	if err := uncut("A text of a parameter", given...); err != nil {
+		return err
+	}
 	choices, release := textList(info.Choices)
 	defer release()
 	chosen := (*C.hgros_param_info)(C.calloc(1, C.sizeof_hgros_param_info))
@@ -119,6 +134,9 @@ func badValue(path string, value any) error {
 }
 
 func (p *Params) at(path string, call func(path *C.char) C.hgros_status) error {
+	if err := uncut("The path of a parameter", path); err != nil {
+		return err
+	}
 	text := C.CString(path)
 	defer C.free(unsafe.Pointer(text))
 	return p.do("parameters", func() C.hgros_status { return call(text) })
@@ -179,6 +197,9 @@ func (p *Params) Set(path string, value any) error {
 			return C.hgros_params_set_number(p.handle, path, C.double(chosen))
 		})
 	case string:
+		if err := uncut("The value of a parameter", chosen); err != nil {
+			return err
+		}
 		text := C.CString(chosen)
 		defer C.free(unsafe.Pointer(text))
 		return p.at(path, func(path *C.char) C.hgros_status {
@@ -194,6 +215,9 @@ func (p *Params) Set(path string, value any) error {
 
 // SetYAML sets a value as YAML, such as "{x: 1}".
 func (p *Params) SetYAML(path, yaml string) error {
+	if err := uncut("The value of a parameter", yaml); err != nil {
+		return err
+	}
 	text := C.CString(yaml)
 	defer C.free(unsafe.Pointer(text))
 	return p.at(path, func(path *C.char) C.hgros_status { return C.hgros_params_set(p.handle, path, text) })

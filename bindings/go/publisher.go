@@ -29,6 +29,9 @@ func (s *Session) AdvertiseRaw(channel string, schema *Schema, options *PublishO
 	if schema == nil {
 		return nil, &Error{InvalidArgument, "The schema of channel \"" + channel + "\" is nil, but must be one."}
 	}
+	if err := uncut("The name of the channel", channel); err != nil {
+		return nil, err
+	}
 	name := C.CString(channel)
 	defer C.free(unsafe.Pointer(name))
 	chosen := C.hgros_publish_options{size: C.sizeof_hgros_publish_options}

@@ -10,6 +10,7 @@ import (
 	"fmt"
 	"runtime"
 	"runtime/cgo"
+	"strings"
 	"unsafe"
 
 	"google.golang.org/protobuf/proto"
@@ -60,6 +61,9 @@ func Serve[Q, R proto.Message](s *Session, name string, handler func(Q) (R, erro
 
 func (s *Session) serve(name string, request, reply *Schema, options *ServeOptions, handler rawHandler) (*Service,
 	error) {
+	if err := uncut("The name of the service", name); err != nil {
+		return nil, err
+	}
 	text := C.CString(name)
 	defer C.free(unsafe.Pointer(text))
 	var chosen ServeOptions
@@ -128,6 +132,9 @@ func (s *Session) call(ctx context.Context, name string, request *Schema, data [
 	if err := ctx.Err(); err != nil {
 		return nil, err
 	}
+	if err := uncut("The name of the service", name); err != nil {
+		return nil, err
+	}
 	text := C.CString(name)
 	defer C.free(unsafe.Pointer(text))
 	ended := make(chan ending, 1)
@@ -170,7 +177,7 @@ func hgrosGoHandle(user C.uintptr_t, request *C.hgros_message, reply *C.hgros_re
 		}
 		err = errors.New(C.GoString(C.hgros_last_error()))
 	}
-	sentence := C.CString(err.Error())
+	sentence := C.CString(strings.ReplaceAll(err.Error(), "\x00", " "))
 	defer C.free(unsafe.Pointer(sentence))
 	C.hgros_reply_fail(reply, sentence)
 }

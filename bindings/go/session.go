@@ -47,6 +47,9 @@ type Session struct {
 // Open opens a session with a configuration as YAML text. Empty: the default, which finds the sessions of this user on
 // this host.
 func Open(yaml string, options *SessionOptions) (*Session, error) {
+	if err := uncut("The configuration", yaml); err != nil {
+		return nil, err
+	}
 	text := C.CString(yaml)
 	defer C.free(unsafe.Pointer(text))
 	return open(text, nil, 0, options)
@@ -54,6 +57,9 @@ func Open(yaml string, options *SessionOptions) (*Session, error) {
 
 // OpenFiles opens a session with configuration files, which are merged.
 func OpenFiles(files []string, options *SessionOptions) (*Session, error) {
+	if err := uncut("The path of a file", files...); err != nil {
+		return nil, err
+	}
 	list, release := textList(files)
 	defer release()
 	return open(nil, list, len(files), options)
@@ -63,6 +69,11 @@ func open(yaml *C.char, files **C.char, count int, options *SessionOptions) (*Se
 	session := &Session{freed: make(chan struct{}), children: map[interface{ Close() }]struct{}{}}
 	var name *C.char
 	var log cgo.Handle
+	if options != nil {
+		if err := uncut("The name of the session", options.Name); err != nil {
+			return nil, err
+		}
+	}
 	if options != nil && options.Name != "" {
 		name = C.CString(options.Name)
 		defer C.free(unsafe.Pointer(name))
@@ -140,6 +151,9 @@ func (s *Session) ID() uint64 {
 
 // Log writes a line into the session's log.
 func (s *Session) Log(level Level, line string) error {
+	if err := uncut("The line for the log", line); err != nil {
+		return err
+	}
 	text := C.CString(line)
 	defer C.free(unsafe.Pointer(text))
 	return s.do("session", func() C.hgros_status { return C.hgros_session_log(s.handle, C.int32_t(level), text) })
@@ -147,6 +161,9 @@ func (s *Session) Log(level Level, line string) error {
 
 // WaitForSubscribers waits until a channel that this session publishes has at least count subscribers.
 func (s *Session) WaitForSubscribers(ctx context.Context, channel string, count int) error {
+	if err := uncut("The name of the channel", channel); err != nil {
+		return err
+	}
 	name := C.CString(channel)
 	defer C.free(unsafe.Pointer(name))
 	return poll(ctx, func(timeout C.int64_t) error {
@@ -158,6 +175,9 @@ func (s *Session) WaitForSubscribers(ctx context.Context, channel string, count 
 
 // WaitForPublishers waits until at least count other sessions that publish on a channel are connected.
 func (s *Session) WaitForPublishers(ctx context.Context, channel string, count int) error {
+	if err := uncut("The name of the channel", channel); err != nil {
+		return err
+	}
 	name := C.CString(channel)
 	defer C.free(unsafe.Pointer(name))
 	return poll(ctx, func(timeout C.int64_t) error {

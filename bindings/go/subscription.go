@@ -45,6 +45,9 @@ type RawSubscription struct {
 
 // SubscribeRaw receives a channel of any type, or of that in the options, as bytes.
 func (s *Session) SubscribeRaw(channel string, options *SubscribeOptions) (*RawSubscription, error) {
+	if err := uncut("The name of the channel", channel); err != nil {
+		return nil, err
+	}
 	name := C.CString(channel)
 	defer C.free(unsafe.Pointer(name))
 	// In memory of C, because it points to other memory.
@@ -52,6 +55,9 @@ func (s *Session) SubscribeRaw(channel string, options *SubscribeOptions) (*RawS
 	defer C.free(unsafe.Pointer(chosen))
 	chosen.size = C.sizeof_hgros_subscribe_options
 	if options != nil {
+		if err := uncut("The name of the subscription", options.Name); err != nil {
+			return nil, err
+		}
 		if options.Name != "" {
 			chosen.name = C.CString(options.Name)
 			defer C.free(unsafe.Pointer(chosen.name))

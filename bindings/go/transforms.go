@@ -56,12 +56,16 @@ func (s *Session) Transforms() (*Transforms, error) {
 	return transforms, nil
 }
 
-// Close sends what still waits. WouldDeadlock inside a callback of the session: then they stay open.
+// Close sends what still waits. Inside a callback of the session it does not wait: the rest is done once the callback
+// has returned, and only then the session may open others.
 func (t *Transforms) Close() error {
 	return t.closeWith(func() C.hgros_status { return C.hgros_transforms_close(t.handle) })
 }
 
 func (t *Transforms) between(a, b string, call func(a, b *C.char) C.hgros_status) error {
+	if err := uncut("The name of a frame", a, b); err != nil {
+		return err
+	}
 	list, release := textList([]string{a, b})
 	defer release()
 	names := textsOf(list, 2)

@@ -118,8 +118,12 @@ export interface Publisher<T = any> {
 export interface Loan {
   /** The bytes to fill; undefined once they are published. Views of it are empty then. */
   readonly data: Buffer | undefined;
+  /** Throws HGROS_FULL if there is no room, or while messages of publishWait() wait. Then the loan is as it was. */
   publish(): void;
+  /** After the messages that wait already. */
   publishWait(options?: Timeout): Promise<void>;
+  /** Gives back a loan that was not published. Otherwise the garbage collector does. */
+  close(): void;
 }
 
 export interface Service {
@@ -139,8 +143,8 @@ export interface ParamOptions {
   description?: string;
   unit?: string;
   readOnly?: boolean;
-  least?: number;
-  most?: number;
+  least?: number | bigint;
+  most?: number | bigint;
   choices?: string[];
 }
 
@@ -148,7 +152,8 @@ export interface ParamOptions {
 export interface Params {
   declare(path: string, fallback: ParamValue, options?: ParamOptions): void;
   bool(path: string): boolean;
-  integer(path: string): number;
+  /** A bigint beyond Number.MAX_SAFE_INTEGER. */
+  integer(path: string): number | bigint;
   number(path: string): number;
   text(path: string): string;
   /** Any value; an empty path is the whole tree. */
@@ -165,7 +170,7 @@ export interface Params {
 /** The parameters of another session, which each function asks. */
 export interface RemoteParams {
   bool(path: string): Promise<boolean>;
-  integer(path: string): Promise<number>;
+  integer(path: string): Promise<number | bigint>;
   number(path: string): Promise<number>;
   text(path: string): Promise<string>;
   yaml(path: string): Promise<string>;
@@ -205,7 +210,8 @@ export interface Peer {
 }
 
 export interface PeerEvent {
-  event: 'came' | 'gone' | 'typeMismatch' | 'servedTwice';
+  /** 'unknown': something that only a newer library has. */
+  event: 'came' | 'gone' | 'typeMismatch' | 'servedTwice' | 'unknown';
   peer: Peer;
   channel: string;
   reason: string;

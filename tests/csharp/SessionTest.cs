@@ -131,6 +131,31 @@ public static class SessionTest {
     Until("most are collected after their session", () => Collected(listeners) > count / 2);
   }
 
+  [Test]
+  public static void CallbacksThatADisposedSessionRefusesAreCollected() {
+    const int count = 20;
+    WeakReference[] targets = null;
+    Soon(Run(() => {
+      var session = new Session();
+      Params parameters = session.OpenParams();
+      parameters.Dispose();
+      session.Dispose();
+      targets = Enumerable.Range(0, count).Select(i => Refused(session, parameters)).ToArray();
+    }));
+    // Old values on the stacks of threads may keep some.
+    Until("most are collected", () => Collected(targets) > count / 2);
+  }
+
+  // What the callbacks have that a disposed session and its parameters refuse.
+  private static WeakReference Refused(Session session, Params parameters) {
+    var target = new object();
+    Throws<ObjectDisposedException>(() => session.Listen("words", Log, message => target.ToString()));
+    Throws<ObjectDisposedException>(() => session.Serve("words", Log, Log, message => (DynamicMessage)target));
+    Throws<ObjectDisposedException>(() => session.OnPeer((happened, peer, channel, reason) => target.ToString()));
+    Throws<ObjectDisposedException>(() => parameters.OnChange("", (path, yaml) => target.ToString()));
+    return new WeakReference(target);
+  }
+
   private static int Collected(WeakReference[] references) {
     GC.Collect();
     GC.WaitForPendingFinalizers();
@@ -155,6 +180,49 @@ public static class SessionTest {
     using (var own = new Session())
     using ((session ?? own).AdvertiseRaw("raw", Schema.Raw("my.bytes")))
       (session ?? own).WaitForSubscribers("raw", 1, timeout);
+  }
+
+  [Test]
+  public static void TextsThatCWouldCutAreRefused() {
+    const string cut = "words\0more";
+    using (var session = new Session())
+    using (Params parameters = session.OpenParams())
+    using (Transforms transforms = session.OpenTransforms()) {
+      var uses = new Action[] {
+        () => new Session("{}\0"),
+        () => new Session("", new SessionOptions { Name = cut }),
+        () => Session.FromFiles(new[] { cut }),
+        () => session.Log(LogLevel.Info, cut),
+        () => session.Advertise(cut, Log),
+        () => session.Subscribe(cut, Log),
+        () => session.Subscribe("words", Log, new SubscribeOptions { Name = cut }),
+        () => session.Listen(cut, Log, log => { }),
+        () => session.WaitForSubscribers(cut, 1, Patience),
+        () => session.WaitForPublishers(cut, 1, Patience),
+        () => session.Serve(cut, Log, Log, log => log),
+        () => session.Call(cut, Log, Log, new DynamicMessage(Log), Patience),
+        () => Soon(session.CallAsync(cut, Log, Log, new DynamicMessage(Log), Patience)),
+        () => session.OpenParams(cut),
+        () => Schema.Known(cut),
+        () => Schema.Raw(cut),
+        () => parameters.Declare(cut, 1),
+        () => parameters.Declare("a", cut),
+        () => parameters.Declare("a", "b", new ParamInfo { Unit = cut }),
+        () => parameters.Declare("a", "b", new ParamInfo { Choices = new[] { "b", cut } }),
+        () => parameters.Set(cut, 1),
+        () => parameters.Set("a", cut),
+        () => parameters.SetYaml("a", cut),
+        () => parameters.GetText(cut),
+        () => parameters.Remove(cut),
+        () => parameters.OnChange(cut, (path, yaml) => { }),
+        () => transforms.SetStatic("map", cut, new Transform()),
+        () => transforms.Lookup("map", cut)
+      };
+      foreach (Action use in uses) Contains("U+0000", Fails(Code.InvalidArgument, use));
+      using (session.Serve("fails", Log, Log, log => { throw new Exception("a\0b"); }))
+        Equal("a b",
+          Fails(Code.HandlerFailed, () => session.Call("fails", Log, Log, new DynamicMessage(Log), Patience)));
+    }
   }
 
   [Test]

@@ -3,11 +3,15 @@ package hgros_test
 import (
 	"context"
 	"errors"
+	"fmt"
+	"os"
 	"strings"
 	"testing"
 	"time"
 
 	"hgros"
+
+	"google.golang.org/protobuf/types/known/wrapperspb"
 )
 
 func TestLoanIsFilledInPlaceAndPublishedOnce(t *testing.T) {
@@ -121,6 +125,97 @@ func TestCloseInsideACallbackEndsTheSession(t *testing.T) {
 	}
 }
 
+func TestSimulatedClockMovesTimersOfOtherSessions(t *testing.T) {
+	os.Setenv("HGROS_DOMAIN", fmt.Sprintf("go-%d-clock", os.Getpid()))
+	sessions := make([]*hgros.Session, 2)
+	for i := range sessions {
+		session, err := hgros.Open("time: simulated", nil)
+		require(t, err)
+		t.Cleanup(session.Close)
+		sessions[i] = session
+	}
+	start := time.Unix(1000, 0)
+	clock, err := sessions[0].NewSimulatedClock(start, true)
+	require(t, err)
+	follows := func(wanted time.Time) {
+		t.Helper()
+		waitUntil(t, "both sessions follow", func() bool {
+			return sessions[0].Now().Equal(wanted) && sessions[1].Now().Equal(wanted)
+		})
+	}
+	follows(start)
+	ticks := make(chan hgros.Tick, 10)
+	_, err = sessions[1].NewTimer("seconds", time.Second, func(tick hgros.Tick) { ticks <- tick }, nil)
+	require(t, err)
+	require(t, clock.Step(2500*time.Millisecond))
+	follows(start.Add(2500 * time.Millisecond))
+	if tick := <-ticks; tick.Planned.Sub(start)%time.Second != 0 {
+		t.Fatalf("%+v", tick)
+	}
+	require(t, clock.Jump(start.Add(time.Hour)))
+	follows(start.Add(time.Hour))
+	require(t, clock.SetRate(1000))
+	require(t, clock.Resume())
+	waitUntil(t, "time passes", func() bool { return sessions[1].Now().After(start.Add(time.Hour + time.Second)) })
+	require(t, clock.Pause())
+	require(t, clock.Jump(start))
+	follows(start)
+	for _, refused := range []error{clock.Step(-1), clock.SetRate(0)} {
+		if !errors.Is(refused, hgros.Failed) {
+			t.Fatal("a number out of range gave", refused)
+		}
+	}
+	require(t, clock.Close())
+	if err := clock.Step(1); !errors.Is(err, hgros.Closed) || !clock.Now().IsZero() {
+		t.Fatal("a closed clock gave", err)
+	}
+}
+
+func TestPartsAreClosedInsideACallback(t *testing.T) {
+	session := open(t, nil)
+	params, err := session.Params()
+	require(t, err)
+	require(t, params.Declare("speed", 1, nil))
+	transforms, err := session.Transforms()
+	require(t, err)
+	clock, err := session.NewSimulatedClock(time.Unix(1000, 0), true)
+	require(t, err)
+	results := make(chan error, 10)
+	made := make(chan *hgros.Timer, 1)
+	timer, err := session.NewTimer("closer", time.Millisecond, func(hgros.Tick) {
+		results <- params.Close()
+		results <- transforms.Close()
+		results <- clock.Close()
+		(<-made).Close()
+	}, nil)
+	require(t, err)
+	made <- timer
+	for i := 0; i < 3; i++ {
+		require(t, <-results)
+	}
+	if _, err := params.Integer("speed"); !errors.Is(err, hgros.Closed) {
+		t.Fatal("closed parameters gave", err)
+	}
+	waitUntil(t, "new ones can be opened", func() bool {
+		again, err := session.Transforms()
+		if err == nil {
+			require(t, again.Close())
+		}
+		return err == nil
+	})
+	own, err := session.Params()
+	require(t, err)
+	require(t, own.Declare("speed", 1, nil))
+	watch, err := own.OnChange("speed", func(string, string) { results <- own.Close() })
+	require(t, err)
+	defer watch.Close()
+	require(t, own.Set("speed", 2))
+	require(t, <-results)
+	if err := own.Set("speed", 3); !errors.Is(err, hgros.Closed) {
+		t.Fatal("parameters that were closed by their own listener gave", err)
+	}
+}
+
 func TestSnapshotAndUsersOfAChannelAreSeen(t *testing.T) {
 	session := open(t, &hgros.SessionOptions{Name: "watched"})
 	_, err := hgros.Subscribe[text](session, "words", &hgros.SubscribeOptions{KeepAll: 1})
@@ -147,5 +242,51 @@ func TestSnapshotAndUsersOfAChannelAreSeen(t *testing.T) {
 	}
 	if !strings.Contains(string(snapshot.Data()), "words") {
 		t.Fatal("the snapshot does not have the channel")
+	}
+}
+
+func TestTextsThatCWouldCutAreRefused(t *testing.T) {
+	session := open(t, nil)
+	params, err := session.Params()
+	require(t, err)
+	transforms, err := session.Transforms()
+	require(t, err)
+	schema, err := hgros.KnownSchema("foxglove.Log")
+	require(t, err)
+	const cut = "words\x00more"
+	second := func(_ any, err error) error { return err }
+	for i, err := range []error{
+		second(hgros.Open("{}\x00", nil)),
+		second(hgros.Open("", &hgros.SessionOptions{Name: cut})),
+		second(hgros.OpenFiles([]string{cut}, nil)),
+		session.Log(hgros.LogInfo, cut),
+		second(session.AdvertiseRaw(cut, schema, nil)),
+		second(session.SubscribeRaw(cut, nil)),
+		second(session.SubscribeRaw("words", &hgros.SubscribeOptions{Name: cut})),
+		session.WaitForSubscribers(deadline(t), cut, 1),
+		session.WaitForPublishers(deadline(t), cut, 1),
+		second(hgros.Serve(session, cut, func(request text) (text, error) { return request, nil }, nil)),
+		second(hgros.Call[text, text](deadline(t), session, cut, wrapperspb.String(""))),
+		second(session.NewTimer(cut, time.Second, func(hgros.Tick) {}, nil)),
+		second(session.ParamsOf(cut, patience)),
+		second(session.Params(cut)),
+		second(hgros.KnownSchema(cut)),
+		second(hgros.RawSchema(cut, hgros.Custom, 0)),
+		params.Declare(cut, 1, nil),
+		params.Declare("a", cut, nil),
+		params.Declare("a", "b", &hgros.ParamInfo{Unit: cut}),
+		params.Declare("a", "b", &hgros.ParamInfo{Choices: []string{"b", cut}}),
+		params.Set(cut, 1),
+		params.Set("a", cut),
+		params.SetYAML("a", cut),
+		params.Remove(cut),
+		second(params.Text(cut)),
+		second(params.OnChange(cut, func(string, string) {})),
+		transforms.SetStatic("map", cut, hgros.Transform{}),
+		second(transforms.Lookup("map", cut)),
+	} {
+		if !errors.Is(err, hgros.InvalidArgument) || !strings.Contains(err.Error(), "U+0000") {
+			t.Errorf("use %d gave %v", i, err)
+		}
 	}
 }

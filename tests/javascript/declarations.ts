@@ -23,7 +23,7 @@ export async function use(): Promise<string> {
     signal: new AbortController().signal,
   });
   session.params('a.yaml').declare('speed', 1, { kind: 'integer', least: 0 });
-  const speed: number = await session.paramsOf('robot').integer('speed');
+  const speed = Number(await session.paramsOf('robot').integer('speed'));
   session.transforms().set('a', 'b', { translation: [1, 2, speed], stamp: session.now() });
   session.watchPeers(({ event, peer }) => console.log(event === 'came', peer.id)).close();
   try {

@@ -173,6 +173,43 @@ test('LoansArePublishedInPlace', async (t) => {
   assert.ok((await subscription.take(patient)).data.every((byte) => byte === 6));
 });
 
+test('LoansDoNotOvertakeWhatWaits', async (t) => {
+  const { subscription, publisher } = await pair(t, new hgros.Schema('my.bytes'), { subscribe: { keepAll: 1 } });
+  const filled = (size, byte) => {
+    const loan = publisher.loan(size);
+    loan.data.fill(byte);
+    return loan;
+  };
+  publisher.publish(Buffer.from([1]));
+  const waits = publisher.publishWait(Buffer.from([2]), patient);
+  const loan = filled(10, 4);
+  assert.throws(() => loan.publish(), { code: 'HGROS_FULL' });
+  assert.strictEqual(loan.data[9], 4);
+  const all = [waits, filled(5, 3).publishWait(patient), loan.publishWait(patient),
+    publisher.publishWait(Buffer.alloc(1 << 20, 5), patient), publisher.publishWait(Buffer.from([6]), patient)];
+  for (let wanted = 1; wanted <= 6; ++wanted) {
+    assert.strictEqual((await subscription.take(patient)).data[0], wanted);
+  }
+  await Promise.all(all);
+});
+
+test('MemoryOfMessagesWithoutRoomIsGivenBackAtOnce', async (t) => {
+  const { publisher } = await pair(t, new hgros.Schema('my.bytes'), { subscribe: { keepAll: 1 } });
+  const large = Buffer.alloc(4 << 20, 1);
+  publisher.publish(large);
+  const before = process.memoryUsage().rss;
+  for (let i = 0; i < 100; ++i) {
+    assert.throws(() => publisher.publish(large), { code: 'HGROS_FULL' });
+    const loan = publisher.loan(large.length);
+    loan.data.set(large);
+    loan.close();
+    assert.strictEqual(loan.data, undefined);
+    assert.throws(() => loan.publish(), { code: 'HGROS_INVALID_ARGUMENT' });
+  }
+  const grown = (process.memoryUsage().rss - before) / (1 << 20);
+  assert.ok(grown < 100, `The process has grown by ${grown} MiB.`);
+});
+
 test('LosslessMessagesComeInOrder', async (t) => {
   const { subscription, publisher } = await pair(t, LOG, { subscribe: { keepAll: 7 } });
   const all = [];

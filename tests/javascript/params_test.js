@@ -6,7 +6,7 @@ const os = require('os');
 const path = require('path');
 const test = require('node:test');
 
-const { open, patient, until } = require('./support');
+const { open, patient, Program, until } = require('./support');
 
 function file(t, yaml) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'hgros-js-'));
@@ -55,6 +55,45 @@ test('ParametersAreDeclaredSetAndWatched', async (t) => {
   await params.close();
   assert.throws(() => params.bool('on'), { code: 'HGROS_CLOSED' });
   assert.strictEqual(changes.length, 2);
+});
+
+test('IntegersKeepAllDigits', async (t) => {
+  const robot = open(t, { name: 'robot' });
+  const tool = open(t);
+  const params = robot.params();
+  const large = 2n ** 53n + 1n;
+  params.declare('count', large, { least: -(2n ** 60n), most: 2n ** 62n });
+  assert.strictEqual(params.integer('count'), large);
+  for (const value of [-(2n ** 59n) - 1n, large, BigInt(Number.MAX_SAFE_INTEGER)]) {
+    params.set('count', value);
+    assert.strictEqual(BigInt(params.integer('count')), value);
+  }
+  assert.strictEqual(params.integer('count'), Number.MAX_SAFE_INTEGER);
+  assert.throws(() => params.set('count', 2n ** 62n + 2n ** 58n), { code: 'HGROS_REFUSED' });
+  assert.throws(() => params.set('count', 2n ** 63n), { code: 'HGROS_INVALID_ARGUMENT', message: /64 bits/ });
+  assert.throws(() => params.declare('other', 1, { most: 'high' }), { code: 'HGROS_INVALID_ARGUMENT', message: /most/ });
+  params.set('nested', { counts: [large, -large], other: undefined, 'a b': [] });
+  assert.strictEqual(params.integer('nested.counts[1]'), -large);
+  assert.strictEqual(params.yaml('nested.counts'), '[9007199254740993, -9007199254740993]');
+  assert.throws(() => params.set('text', 'zero\0byte'), { code: 'HGROS_INVALID_ARGUMENT', message: /zero bytes/ });
+  const theirs = tool.paramsOf('robot', patient);
+  await until('the parameter can be set', () => theirs.set('count', large).then(() => true, () => false));
+  assert.strictEqual(await theirs.integer('count'), large);
+});
+
+test('ClosedParametersAreNotWatched', async (t) => {
+  const program = Program.script(t, `
+    const session = require('hgros').open('', { name: 'robot' });
+    const params = session.params();
+    params.declare('speed', 1, { kind: 'integer' });
+    params.watch('speed', () => console.log('told too late'));
+    const theirs = session.paramsOf('robot', { timeout: 20000 });
+    theirs.watch('other', () => {});
+    params.set('speed', 2);
+    Promise.all([params.close(), theirs.close()]).then(() => console.log('closed'));
+  `);
+  assert.strictEqual(await program.line(), 'closed');
+  assert.strictEqual(await program.end(), 0); // A watch would keep it running.
 });
 
 test('ParametersOfAnotherSession', async (t) => {

@@ -270,3 +270,41 @@ fn a_message_that_cannot_be_read_is_an_error() {
     assert!(error.sentence().contains("foxglove.Log"), "{error}");
     assert_eq!(status_of(message.field_bytes(3)), Status::NotWritable);
 }
+
+#[test]
+fn fields_are_found_between_groups() {
+    let session = session("groups");
+    let queue = session
+        .subscribe_raw("words", None, Queue::KeepAll(10))
+        .unwrap();
+    let schema = Schema::of::<Log>().unwrap();
+    let publisher = session
+        .advertise_raw("words", &schema, PublishOptions::default())
+        .unwrap();
+    let text = |text: &str| [&[3 << 3 | 2, text.len() as u8], text.as_bytes()].concat();
+    let group = |inner: &[u8]| [&[7 << 3 | 3], inner, &[7 << 3 | 4]].concat();
+    let received = |bytes: &[u8]| -> Message {
+        publisher.publish(bytes).unwrap();
+        queue.recv_timeout(PATIENCE).unwrap()
+    };
+    let numbers = [&[1 << 3, 5][..], &[2 << 3 | 5, 0, 0, 0, 0]].concat();
+    let nested = group(&[text("inside"), group(&text("deep")), numbers].concat());
+    let message = received(&[group(&[]), text("hello"), nested].concat());
+    assert_eq!(message.field_bytes(3).unwrap(), b"hello");
+    assert_eq!(message.field_bytes(7).unwrap(), b"");
+    let flat = received(&[group(&text("inside")), text("hello")].concat());
+    assert_eq!(flat.field_bytes(3).unwrap(), b"hello");
+    assert_eq!(flat.decode::<Log>().unwrap().message, "hello");
+    for broken in [
+        &[7 << 3 | 3][..],               // Without an end.
+        &[7 << 3 | 4],                   // Without a start.
+        &[7 << 3 | 3, 6 << 3 | 4],       // The end of another one.
+        &[7 << 3 | 3, 3 << 3 | 2, 9, 0], // Nine bytes, of which one is there.
+        &[7 << 3 | 3; 1000],
+    ] {
+        assert_eq!(
+            status_of(received(broken).field_bytes(3)),
+            Status::NotWritable
+        );
+    }
+}

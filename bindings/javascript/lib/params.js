@@ -10,14 +10,42 @@ const KINDS = ['bool', 'integer', 'number', 'text', 'numbers'];
 // The numbers of operations in src/params.c.
 const [BOOL, INTEGER, NUMBER, TEXT, YAML, SET, REMOVE, SAVE] = Array(8).keys();
 
-/** A value as YAML, of which JSON is a part. JSON would write null for a number that is not finite. */
+const LEAST_INTEGER = -(2n ** 63n);
+const MOST_INTEGER = 2n ** 63n - 1n;
+
+/** A value as YAML. JSON has no bigint, and writes null for what it does not have. */
 function yamlOf(value, path) {
-  const yaml = typeof value === 'bigint' ? String(value) : JSON.stringify(value, (key, part) => {
-    if (typeof part !== 'number' || Number.isFinite(part)) return part;
-    throw invalid(`The value for "${path}" has ${part}, but its numbers must be finite.`);
-  });
-  if (yaml === undefined) throw invalid(`The value for "${path}" is ${String(value)}, which no parameter can have.`);
-  return yaml;
+  const refused = (why) => invalid(`The value for "${path}" has ${why}`);
+  const written = (part) => {
+    switch (typeof part) {
+      case 'boolean':
+        return String(part);
+      case 'bigint':
+        if (part >= LEAST_INTEGER && part <= MOST_INTEGER) return String(part);
+        throw refused(`${part}, but its integers must have 64 bits.`);
+      case 'number':
+        if (Number.isFinite(part)) return String(part);
+        throw refused(`${part}, but its numbers must be finite.`);
+      case 'string':
+        return JSON.stringify(check.text(part, `The value for "${path}"`));
+      case 'object':
+        if (part === null) return 'null';
+        if (Array.isArray(part)) return `[${part.map(written).join(', ')}]`;
+        if (typeof part.toJSON === 'function') return written(part.toJSON());
+        return `{${Object.entries(part).filter(([, field]) => field !== undefined)
+          .map(([name, field]) => `${JSON.stringify(name)}: ${written(field)}`).join(', ')}}`;
+      default:
+        throw refused(`${String(part)}, which no parameter can have.`);
+    }
+  };
+  return written(value);
+}
+
+/** A bound as a double; undefined: none. */
+function boundOf(value, what) {
+  if (value === undefined || typeof value === 'bigint') return value === undefined ? undefined : Number(value);
+  if (typeof value === 'number' && !Number.isNaN(value)) return value;
+  throw invalid(`${what} is ${String(value)}, but must be a number.`);
 }
 
 function kindOf(value) {
@@ -34,6 +62,7 @@ class ParamTree {
   #external;
   #closing;
   #run;
+  #watches = new Set();
 
   constructor(session, external, run) {
     this.#session = session;
@@ -53,6 +82,7 @@ class ParamTree {
     return this.#at(BOOL, path);
   }
 
+  /** A number, or a bigint beyond Number.MAX_SAFE_INTEGER. */
   integer(path) {
     return this.#at(INTEGER, path);
   }
@@ -90,11 +120,16 @@ class ParamTree {
    */
   watch(path, changed) {
     check.callback(changed, 'The function for changes');
-    return new Watch(this.#session, (told) => native.watchParams(this.#external, check.text(path, 'The path'), told),
-      changed);
+    const watch = new Watch(this.#session,
+      (told) => native.watchParams(this.#external, check.text(path, 'The path'), told), changed,
+      () => this.#watches.delete(watch));
+    this.#watches.add(watch);
+    return watch;
   }
 
+  /** Ends the parameters with their watches. */
   close() {
+    for (const watch of this.#watches) watch.close();
     this.#closing ??= Promise.resolve(native.closeParams(this.#external));
     return this.#closing;
   }
@@ -115,8 +150,9 @@ class Params extends ParamTree {
     const chosen = check.options(options, known);
     const kind = chosen.kind ?? kindOf(fallback);
     if (!KINDS.includes(kind)) throw invalid(`The kind is ${String(kind)}, but must be one of ${KINDS.join(', ')}.`);
+    const bounds = { least: boundOf(chosen.least, 'least'), most: boundOf(chosen.most, 'most') };
     native.declareParam(this.external, check.text(path, 'The path'), KINDS.indexOf(kind), yamlOf(fallback, path),
-      chosen);
+      { ...chosen, ...bounds });
   }
 
   /** Writes what was set at run time into the files. */

@@ -42,7 +42,7 @@ class Session {
   #logger(log) {
     return (level, line) => {
       try {
-        log(LEVELS[level], line);
+        log(LEVELS[level] ?? 'error', line);  // A newer library may have more.
       } catch (error) {
         ++this.#failures;
         console.error('hgros: The function of the log failed:', error, 'The line was:', line);
@@ -185,7 +185,7 @@ class Session {
   watchPeers(happened) {
     check.callback(happened, 'The function for events');
     return new Watch(this, (told) => native.watchPeers(this.#external, told),
-      (event, peer, channel, reason) => happened({ event: EVENTS[event], peer, channel, reason }));
+      (event, peer, channel, reason) => happened({ event: EVENTS[event] ?? 'unknown', peer, channel, reason }));
   }
 
   /**

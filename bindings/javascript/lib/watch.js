@@ -6,9 +6,11 @@ const { native } = require('./native');
 class Watch {
   #external;
   #closed = false;
+  #forget;
 
-  /** `open` gets a function for the library, and returns the watch. */
-  constructor(session, open, callback) {
+  /** `open` gets a function for the library, and returns the watch. `forget` is called when it is closed. */
+  constructor(session, open, callback, forget = () => {}) {
+    this.#forget = forget;
     this.#external = open((...told) => {
       if (!this.#closed) session.guard('The callback of a watch', () => callback(...told));
     });
@@ -16,6 +18,7 @@ class Watch {
 
   close() {
     this.#closed = true;
+    this.#forget();
     native.closeWatch(this.#external);
   }
 }

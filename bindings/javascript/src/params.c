@@ -72,7 +72,7 @@ static napi_value ParamResult(napi_env napi, Job* job) {
   const ParamJob* const param = (ParamJob*)job;
   switch (param->operation) {
     case kBool: return Truth(napi, param->truth != 0);
-    case kInteger: return Number(napi, (double)param->integer);
+    case kInteger: return Integer(napi, param->integer);
     case kNumber: return Number(napi, param->number);
     case kText:
     case kYaml: return Text(napi, param->text);

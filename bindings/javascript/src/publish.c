@@ -43,7 +43,7 @@ static napi_value Publish(napi_env napi, napi_callback_info info) {
 
 // Memory to fill. JavaScript's handle, each view of the memory, and a job have a reference.
 typedef struct {
-  hgros_loan* handle;
+  hgros_loan* handle;  // NULL: given back.
   size_t refs;
 } Loan;
 
@@ -102,6 +102,16 @@ static napi_value ViewLoan(napi_env napi, napi_callback_info info) {
   }
   ++loan->refs;
   return buffer;
+}
+
+// closeLoan(loan): gives its memory back now. Its views are detached before, and no job uses it.
+static napi_value CloseLoan(napi_env napi, napi_callback_info info) {
+  napi_value argument = NULL;
+  Arguments(napi, info, 1, &argument);
+  Loan* const loan = LoanOf(napi, argument);
+  hgros_loan_free(loan->handle);
+  loan->handle = NULL;
+  return Undefined(napi);
 }
 
 typedef struct {
@@ -183,6 +193,7 @@ void DefinePublishing(napi_env napi, napi_value exports) {
   Define(napi, exports, "publishWait", PublishWait);
   Define(napi, exports, "openLoan", OpenLoan);
   Define(napi, exports, "viewLoan", ViewLoan);
+  Define(napi, exports, "closeLoan", CloseLoan);
   Define(napi, exports, "publishLoan", PublishLoan);
   Define(napi, exports, "publishLoanWait", PublishLoanWait);
   Define(napi, exports, "closePublisher", ClosePublisherNow);

@@ -98,6 +98,11 @@ napi_value Number(napi_env napi, double number) {
   return value;
 }
 
+napi_value Integer(napi_env napi, int64_t number) {
+  const int64_t most = 9007199254740991;  // Number.MAX_SAFE_INTEGER
+  return -most <= number && number <= most ? Number(napi, (double)number) : BigTime(napi, number);
+}
+
 napi_value Truth(napi_env napi, bool truth) {
   napi_value value = NULL;
   napi_get_boolean(napi, truth, &value);

@@ -31,6 +31,8 @@ napi_value FieldOf(napi_env napi, napi_value object, const char* name);
 napi_value Undefined(napi_env napi);
 napi_value Text(napi_env napi, const char* text);
 napi_value Number(napi_env napi, double number);
+/// A number, or a bigint if a number does not have all its digits.
+napi_value Integer(napi_env napi, int64_t number);
 napi_value Truth(napi_env napi, bool truth);
 napi_value BigId(napi_env napi, uint64_t id);
 napi_value BigTime(napi_env napi, int64_t nanoseconds);

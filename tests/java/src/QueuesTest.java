@@ -299,4 +299,168 @@ final class QueuesTest {
       Expect.holds(lines.indexOf("takes no task") >= 0, lines);
     }
   }
+
+  public static void thoseThatTakeWakeWhenTheExecutorRefuses() throws Exception {
+    try (Session session = Session.open("", new SessionOptions().log((level, line) -> { }))) {
+      ExecutorService executor = Executors.newSingleThreadExecutor();
+      Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT).onMessage(executor, message -> { });
+      Waiting next = new Waiting(() -> {
+        while (queue.next() != null) { // The message is for one of the three.
+        }
+      });
+      Waiting take = new Waiting(() -> {
+        while (true) {
+          queue.raw().take().close();
+        }
+      });
+      executor.shutdown();
+      session.advertise("words", Expect.TEXT).publish(text(1));
+      next.endsWith(Code.CLOSED);
+      take.endsWith(Code.CLOSED);
+    }
+  }
+
+  /** An exception that cannot even be described. */
+  private static final class Hostile extends RuntimeException {
+    private static final long serialVersionUID = 1;
+
+    @Override
+    public String getMessage() {
+      throw new IllegalStateException("no message");
+    }
+  }
+
+  public static void anExceptionWithoutADescriptionStopsNoQueue() throws Exception {
+    StringBuffer lines = new StringBuffer();
+    try (Session session = Session.open("", new SessionOptions().log((level, line) -> lines.append(line)))) {
+      BlockingQueue<String> got = new ArrayBlockingQueue<>(10);
+      session.subscribe("refused", Expect.TEXT).onMessage(task -> {
+        throw new Hostile();
+      }, message -> { });
+      session.subscribe("words", Expect.TEXT).onMessage(message -> {
+        if (message.getValue().equals("bad")) {
+          throw new Hostile();
+        }
+        got.add(message.getValue());
+      });
+      session.advertise("refused", Expect.TEXT).publish(text("nobody runs it"));
+      Expect.eventually("the executor's failure is logged", () -> lines.indexOf("takes no task") >= 0);
+      Publisher<StringValue> publisher = session.advertise("words", Expect.TEXT);
+      publisher.publish(text("bad"));
+      Expect.eventually("the callback's failure is logged",
+          () -> lines.indexOf("\"words\" failed: QueuesTest$Hostile") >= 0);
+      publisher.publish(text("good"));
+      Expect.equal(got.poll(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "good");
+    }
+  }
+
+  public static void closingTheSessionWaitsForTheCallback() throws Exception {
+    Session session = Expect.session("waits");
+    CountDownLatch entered = new CountDownLatch(1);
+    CountDownLatch goOn = new CountDownLatch(1);
+    AtomicInteger left = new AtomicInteger();
+    session.subscribe("words", Expect.TEXT).onMessage(message -> {
+      entered.countDown();
+      try {
+        goOn.await();
+      } catch (InterruptedException e) {
+        throw new IllegalStateException(e);
+      }
+      left.incrementAndGet();
+    });
+    session.advertise("words", Expect.TEXT).publish(text(1));
+    entered.await();
+    AtomicInteger leftAtClose = new AtomicInteger(-1);
+    Thread closer = new Thread(() -> {
+      session.close();
+      leftAtClose.set(left.get());
+    });
+    closer.start();
+    Expect.eventually("close waits", () -> closer.getState() == Thread.State.WAITING);
+    goOn.countDown();
+    closer.join();
+    Expect.equal(leftAtClose.get(), 1);
+  }
+
+  public static void callbacksCloseEachOther() throws Exception {
+    try (Session session = Expect.session("mutual")) {
+      List<Subscription<StringValue>> both = new ArrayList<>();
+      CountDownLatch inside = new CountDownLatch(2);
+      CountDownLatch closed = new CountDownLatch(2);
+      for (int i = 0; i < 2; i++) {
+        both.add(session.subscribe("words", Expect.TEXT));
+      }
+      for (int i = 0; i < 2; i++) {
+        Subscription<StringValue> other = both.get(1 - i);
+        both.get(i).onMessage(message -> {
+          inside.countDown();
+          try {
+            inside.await();
+          } catch (InterruptedException e) {
+            throw new IllegalStateException(e);
+          }
+          other.close();
+          closed.countDown();
+        });
+      }
+      session.advertise("words", Expect.TEXT).publish(text(1));
+      Expect.holds(closed.await(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "a callback waits for the other one");
+    }
+  }
+
+  /** A thread that publishes until the session is closed. */
+  private static Thread publishing(Session session, String channel) {
+    Publisher<StringValue> publisher = session.advertise(channel, Expect.TEXT);
+    StringValue large = text("x".repeat(100_000)); // Leases on shared memory.
+    Thread thread = new Thread(() -> {
+      try {
+        while (true) {
+          publisher.publish(large, Expect.PATIENCE);
+        }
+      } catch (HgrosException | InterruptedException e) {
+        // The session is closed.
+      }
+    });
+    thread.start();
+    return thread;
+  }
+
+  public static void whatCallbacksReadIsThereWhileOthersClose() throws Exception {
+    try (Session from = Expect.session("from")) {
+      Thread publishing = publishing(from, "words");
+      AtomicInteger wrong = new AtomicInteger();
+      for (int round = 0; round < 40; round++) {
+        Session to = Expect.session("to");
+        AtomicInteger runs = new AtomicInteger();
+        AtomicInteger calls = new AtomicInteger();
+        RawSubscription raw = to.subscribeRaw("words", new SubscribeOptions().keepAll(4));
+        raw.onMessage(message -> {
+          runs.incrementAndGet();
+          java.nio.ByteBuffer data = message.data();
+          for (int i = 100; i < data.limit(); i += 1000) {
+            if (data.get(i) != 'x') {
+              wrong.incrementAndGet();
+            }
+          }
+          calls.incrementAndGet();
+          runs.decrementAndGet();
+        });
+        int wanted = round % 5;
+        Expect.eventually("messages come", () -> calls.get() > wanted);
+        if (round % 2 == 0) {
+          raw.close();
+        } else {
+          to.close();
+        }
+        Expect.equal(runs.get(), 0);
+        int after = calls.get();
+        to.close();
+        Expect.equal(calls.get(), after);
+      }
+      Expect.equal(wrong.get(), 0);
+      from.close();
+      publishing.join();
+      Expect.equal(ReceivedMessage.leases(), 0L);
+    }
+  }
 }

@@ -1,6 +1,8 @@
+import com.google.protobuf.Message;
 import com.google.protobuf.StringValue;
 import com.google.protobuf.Struct;
 import java.lang.ref.WeakReference;
+import java.lang.reflect.Proxy;
 import java.time.Duration;
 import java.util.concurrent.CancellationException;
 import java.util.concurrent.CompletableFuture;
@@ -9,6 +11,9 @@ import java.util.concurrent.ExecutionException;
 import java.util.concurrent.TimeUnit;
 import org.hgros.Code;
 import org.hgros.HgrosException;
+import org.hgros.Peer;
+import org.hgros.PeerEvent;
+import org.hgros.PeerListener;
 import org.hgros.ServeOptions;
 import org.hgros.Service;
 import org.hgros.Session;
@@ -145,5 +150,44 @@ final class ServicesTest {
       }
       Expect.fails(Code.CLOSED, server::id);
     }
+  }
+
+  public static void aLaterCallEndsWithAnyFailure() throws Exception {
+    Message unreadable = (Message) Proxy.newProxyInstance(Message.class.getClassLoader(),
+        new Class<?>[] {Message.class}, (proxy, method, arguments) -> {
+          if (method.getName().equals("getDescriptorForType")) {
+            return StringValue.getDescriptor();
+          }
+          throw new StackOverflowError("no " + method.getName());
+        });
+    try (Session session = Expect.session("later")) {
+      session.serve("echo", Expect.TEXT, Expect.TEXT, word -> word);
+      CompletableFuture<Message> reply = session.callLater("echo", Expect.TEXT, unreadable, Expect.PATIENCE);
+      try {
+        reply.get(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS);
+        throw new AssertionError("it did not fail");
+      } catch (ExecutionException e) {
+        Expect.holds(e.getCause() instanceof StackOverflowError, e.getCause());
+      }
+    }
+  }
+
+  public static void whatAClosedSessionRefusesIsCollected() throws Exception {
+    Session session = Expect.session("closed");
+    session.close();
+    WeakReference<Object> target = refused(session);
+    Expect.eventually("the listener is collected", () -> {
+      System.gc();
+      return target.get() == null;
+    });
+  }
+
+  private static WeakReference<Object> refused(Session session) throws Exception {
+    PeerListener listener = new PeerListener() {
+      @Override
+      public void happened(PeerEvent event, Peer peer, String channel, String reason) {}
+    };
+    Expect.fails(Code.CLOSED, () -> session.onPeer(listener));
+    return new WeakReference<>(listener);
   }
 }

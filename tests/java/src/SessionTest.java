@@ -1,17 +1,26 @@
 import com.google.protobuf.StringValue;
+import java.lang.reflect.Method;
 import java.nio.file.Path;
+import java.time.Instant;
 import java.util.List;
 import java.util.concurrent.ArrayBlockingQueue;
 import java.util.concurrent.BlockingQueue;
 import java.util.concurrent.LinkedBlockingQueue;
 import java.util.concurrent.TimeUnit;
 import org.hgros.Code;
+import org.hgros.Encoding;
 import org.hgros.LogLevel;
+import org.hgros.ParamInfo;
+import org.hgros.Params;
 import org.hgros.Peer;
 import org.hgros.PeerEvent;
 import org.hgros.Publisher;
+import org.hgros.Schema;
 import org.hgros.Session;
 import org.hgros.SessionOptions;
+import org.hgros.SubscribeOptions;
+import org.hgros.Transform;
+import org.hgros.Transforms;
 import org.hgros.Watch;
 
 final class SessionTest {
@@ -88,6 +97,71 @@ final class SessionTest {
           return seen && !there;
         }
       });
+    }
+  }
+
+  private static Object of(String type, int number) throws ReflectiveOperationException {
+    Method of = Class.forName("org.hgros." + type).getDeclaredMethod("of", int.class);
+    of.setAccessible(true);
+    return of.invoke(null, number);
+  }
+
+  public static void numbersOfANewerLibraryAreNoFailure() throws Exception {
+    Expect.equal(of("LogLevel", 2), LogLevel.WARNING);
+    Expect.equal(of("LogLevel", 4), LogLevel.ERROR);
+    Expect.equal(of("LogLevel", -1), LogLevel.DEBUG);
+    Expect.equal(of("PeerEvent", 3), PeerEvent.SERVED_TWICE);
+    Expect.equal(of("PeerEvent", 4), PeerEvent.UNKNOWN);
+    Expect.equal(of("PeerEvent", -1), PeerEvent.UNKNOWN);
+    Expect.equal(of("Encoding", 9), Encoding.UNKNOWN);
+    Expect.equal(of("Code", 99), Code.UNKNOWN);
+  }
+
+  public static void textsThatCWouldCutAreRefused() throws Exception {
+    String cut = "words\0more";
+    try (Session session = Expect.session("texts"); Params params = session.params();
+        Transforms transforms = session.transforms()) {
+      Transform pose = Transform.at(1, 2, 3);
+      List<Expect.Action> uses = List.of(
+          () -> Session.open("{}\0"),
+          () -> Session.open("", new SessionOptions().name(cut)),
+          () -> session.log(LogLevel.INFO, cut),
+          () -> session.advertise(cut, Expect.TEXT),
+          () -> session.subscribe(cut, Expect.TEXT),
+          () -> session.subscribe("words", Expect.TEXT, new SubscribeOptions().name(cut)),
+          () -> session.waitForSubscribers(cut, 1, Expect.PATIENCE),
+          () -> session.waitForPublishers(cut, 1, Expect.PATIENCE),
+          () -> session.serve(cut, Expect.TEXT, Expect.TEXT, request -> request),
+          () -> session.call(cut, Expect.TEXT, Expect.TEXT, Expect.PATIENCE),
+          () -> session.callLater(cut, Expect.TEXT, Expect.TEXT, Expect.PATIENCE),
+          () -> session.paramsOf(cut, Expect.PATIENCE),
+          () -> Schema.known(cut),
+          () -> Schema.raw(cut, Encoding.CUSTOM, 0),
+          () -> params.declare(cut, 1, new ParamInfo()),
+          () -> params.declare("a", cut, new ParamInfo()),
+          () -> params.declare("a", "b", new ParamInfo().description(cut)),
+          () -> params.declare("a", "b", new ParamInfo().unit(cut)),
+          () -> params.declare("a", "b", new ParamInfo().choices("b", cut)),
+          () -> params.set("a", cut),
+          () -> params.set(cut, 1),
+          () -> params.setYaml("a", cut),
+          () -> params.getYaml(cut),
+          () -> params.remove(cut),
+          () -> params.onChange(cut, (path, yaml) -> { }),
+          () -> transforms.setStatic("map", cut, pose),
+          () -> transforms.set(cut, "base", pose),
+          () -> transforms.lookup("map", cut),
+          () -> transforms.await("map", cut, Instant.EPOCH, Expect.PATIENCE));
+      for (Expect.Action use : uses) {
+        String sentence = Expect.fails(Code.INVALID_ARGUMENT, use);
+        Expect.holds(sentence.contains("U+0000") && sentence.contains("\\0"), sentence);
+      }
+      session.serve("fails", Expect.TEXT, Expect.TEXT, request -> {
+        throw new IllegalStateException("a\0b");
+      });
+      String sentence = Expect.fails(Code.HANDLER_FAILED,
+          () -> session.call("fails", Expect.TEXT, Expect.TEXT, Expect.PATIENCE));
+      Expect.equal(sentence, "a b");
     }
   }
 }

@@ -97,6 +97,11 @@ final class Callbacks {
     return user;
   }
 
+  /** The library was not called with it. */
+  static void forget(long user) {
+    TARGETS.remove(user);
+  }
+
   @SuppressWarnings("unchecked") // Each kind of callback is registered with its kind of target.
   private static <T> T target(long user) {
     return (T) TARGETS.get(user);
@@ -113,10 +118,28 @@ final class Callbacks {
     try {
       body.run();
     } catch (Throwable e) { // Targets report their own; this is a fault of the log's function, or no memory.
-      Thread thread = Thread.currentThread();
-      thread.getUncaughtExceptionHandler().uncaughtException(thread, e);
+      reportUncaught(e);
     } finally {
       INSIDE.set(before);
+    }
+  }
+
+  /** For what no session's log takes: the handler of uncaught exceptions, by default standard error. */
+  static void reportUncaught(Throwable thrown) {
+    try {
+      Thread thread = Thread.currentThread();
+      thread.getUncaughtExceptionHandler().uncaughtException(thread, thrown);
+    } catch (Throwable e) {
+      // There is nobody left to tell.
+    }
+  }
+
+  /** What a program's exception says, whose methods may throw themselves. */
+  private static String sentenceOf(Throwable thrown) {
+    try {
+      return String.valueOf(thrown.getMessage() == null ? thrown.toString() : thrown.getMessage());
+    } catch (Throwable e) {
+      return thrown.getClass().getName();
     }
   }
 
@@ -129,8 +152,8 @@ final class Callbacks {
       }
       failure = HgrosC.textAt(HgrosC.hgros_last_error());
     } catch (Throwable e) {
-      failure = e.getMessage() == null ? e.toString() : e.getMessage();
+      failure = sentenceOf(e);
     }
-    HgrosC.hgros_reply_fail(reply, failure);
+    HgrosC.hgros_reply_fail(reply, failure.replace('\0', ' '));
   }
 }

@@ -13,9 +13,10 @@ final class Calls {
     int call(long session, long requestType, byte[] data, long replyType);
   }
 
-  private static void start(Session session, Message request, Message reply, Calling calling) {
+  private static void start(Session session, String name, Message request, Message reply, Calling calling) {
     Schema requests = Schema.of(request.getDescriptorForType());
     Schema replies = Schema.of(reply.getDescriptorForType());
+    Texts.checked("The name of the service", name);
     byte[] data = request.toByteArray();
     session.handle.call(owner -> requests.handle.status(
         requestType -> replies.handle.status(replyType -> calling.call(owner, requestType, data, replyType))));
@@ -23,7 +24,7 @@ final class Calls {
 
   static <R extends Message> R call(Session session, String name, Message request, R reply, Duration timeout) {
     long[] got = new long[1];
-    start(session, request, reply, (owner, requestType, data, replyType) -> HgrosC.hgros_call(
+    start(session, name, request, reply, (owner, requestType, data, replyType) -> HgrosC.hgros_call(
         owner, name, requestType, data, data.length, replyType, Waits.nanos(timeout), got));
     try {
       return ReceivedMessage.parse(got[0], reply);
@@ -37,7 +38,7 @@ final class Calls {
     CompletableFuture<R> future = new CompletableFuture<>();
     Callbacks.ReplyTarget target = (status, sentence, message) -> end(future, status, sentence, message, reply);
     long[] opened = new long[1];
-    start(session, request, reply, (owner, requestType, data, replyType) -> HgrosC.hgros_call_later(
+    start(session, name, request, reply, (owner, requestType, data, replyType) -> HgrosC.hgros_call_later(
         owner, name, requestType, data, data.length, replyType, Waits.nanos(timeout), Callbacks.REPLY,
         Callbacks.keep(target), Callbacks.RELEASE, opened));
     Handle pending = new Handle("call", opened[0], pointer -> {

@@ -5,5 +5,10 @@ public enum LogLevel {
   DEBUG,
   INFO,
   WARNING,
-  ERROR
+  ERROR;
+
+  /** A newer library may have more: those above are errors, too. */
+  static LogLevel of(int number) {
+    return values()[Math.max(0, Math.min(number, values().length - 1))];
+  }
 }

@@ -11,6 +11,7 @@ public final class Params implements AutoCloseable {
   private static final int NUMBER = 2;
   private static final int TEXT = 3;
   private static final int NUMBERS = 4;
+  private static final String VALUE = "The value of a parameter";
 
   private final Session session;
   private final Handle handle;
@@ -47,7 +48,7 @@ public final class Params implements AutoCloseable {
   }
 
   public void declare(String path, String fallback, ParamInfo info) {
-    declare(path, TEXT, yaml(fallback), info);
+    declare(path, TEXT, yaml(Texts.checked(VALUE, fallback)), info);
   }
 
   public void declare(String path, double[] fallback, ParamInfo info) {
@@ -57,8 +58,8 @@ public final class Params implements AutoCloseable {
   private void declare(String path, int kind, String fallback, ParamInfo info) {
     Structs.ParamInfo chosen = new Structs.ParamInfo();
     chosen.read_only = info.readOnly ? 1 : 0;
-    chosen.description = info.description;
-    chosen.unit = info.unit;
+    chosen.description = Texts.checked("The description of a parameter", info.description);
+    chosen.unit = Texts.checked("The unit of a parameter", info.unit);
     if (info.least != null) {
       chosen.has_least = 1;
       chosen.least = info.least;
@@ -68,10 +69,16 @@ public final class Params implements AutoCloseable {
       chosen.most = info.most;
     }
     if (info.choices.length > 0) {
-      chosen.choices = Session.texts(info.choices);
+      chosen.choices = Texts.list("A choice of a parameter", info.choices);
       chosen.choice_count = info.choices.length;
     }
-    handle.call(params -> HgrosC.hgros_params_declare(params, path, kind, fallback, chosen));
+    at(path, params -> HgrosC.hgros_params_declare(params, path, kind, fallback, chosen));
+  }
+
+  /** Calls the library for a path. */
+  private void at(String path, LongToIntFunction call) {
+    Texts.checked("The path of a parameter", path);
+    handle.call(call);
   }
 
   private static String yaml(double number) {
@@ -102,35 +109,35 @@ public final class Params implements AutoCloseable {
 
   public boolean getBool(String path) {
     int[] value = new int[1];
-    handle.call(params -> HgrosC.hgros_params_get_bool(params, path, value));
+    at(path, params -> HgrosC.hgros_params_get_bool(params, path, value));
     return value[0] != 0;
   }
 
   public long getInteger(String path) {
     long[] value = new long[1];
-    handle.call(params -> HgrosC.hgros_params_get_integer(params, path, value));
+    at(path, params -> HgrosC.hgros_params_get_integer(params, path, value));
     return value[0];
   }
 
   public double getNumber(String path) {
     double[] value = new double[1];
-    handle.call(params -> HgrosC.hgros_params_get_number(params, path, value));
+    at(path, params -> HgrosC.hgros_params_get_number(params, path, value));
     return value[0];
   }
 
   public String getText(String path) {
     long[] text = new long[1];
-    return text(text, params -> HgrosC.hgros_params_get_text(params, path, text));
+    return text(path, text, params -> HgrosC.hgros_params_get_text(params, path, text));
   }
 
   /** Any value, as YAML. An empty path is the whole tree. */
   public String getYaml(String path) {
     long[] text = new long[1];
-    return text(text, params -> HgrosC.hgros_params_get(params, path, text));
+    return text(path, text, params -> HgrosC.hgros_params_get(params, path, text));
   }
 
-  private String text(long[] text, LongToIntFunction get) {
-    handle.call(get);
+  private String text(String path, long[] text, LongToIntFunction get) {
+    at(path, get);
     try {
       return HgrosC.textAt(text[0]);
     } finally {
@@ -140,19 +147,20 @@ public final class Params implements AutoCloseable {
 
   /** Sets a value. Throws {@link Code#REFUSED} if it breaks a declaration. */
   public void set(String path, boolean value) {
-    handle.call(params -> HgrosC.hgros_params_set_bool(params, path, value ? 1 : 0));
+    at(path, params -> HgrosC.hgros_params_set_bool(params, path, value ? 1 : 0));
   }
 
   public void set(String path, long value) {
-    handle.call(params -> HgrosC.hgros_params_set_integer(params, path, value));
+    at(path, params -> HgrosC.hgros_params_set_integer(params, path, value));
   }
 
   public void set(String path, double value) {
-    handle.call(params -> HgrosC.hgros_params_set_number(params, path, value));
+    at(path, params -> HgrosC.hgros_params_set_number(params, path, value));
   }
 
   public void set(String path, String value) {
-    handle.call(params -> HgrosC.hgros_params_set_text(params, path, value));
+    Texts.checked(VALUE, value);
+    at(path, params -> HgrosC.hgros_params_set_text(params, path, value));
   }
 
   public void set(String path, double[] value) {
@@ -161,12 +169,13 @@ public final class Params implements AutoCloseable {
 
   /** Sets a value as YAML, such as "{x: 1}". */
   public void setYaml(String path, String yaml) {
-    handle.call(params -> HgrosC.hgros_params_set(params, path, yaml));
+    Texts.checked(VALUE, yaml);
+    at(path, params -> HgrosC.hgros_params_set(params, path, yaml));
   }
 
   /** Removes a value; a declared parameter returns to its fallback. */
   public void remove(String path) {
-    handle.call(params -> HgrosC.hgros_params_remove(params, path));
+    at(path, params -> HgrosC.hgros_params_remove(params, path));
   }
 
   /** Writes what was set at run time into the files of this program. */
@@ -180,6 +189,7 @@ public final class Params implements AutoCloseable {
    * values.
    */
   public Watch onChange(String path, BiConsumer<String, String> listener) {
+    Texts.checked("The path of a parameter", path);
     return Watch.open(session, this, "The listener for changes of \"" + path + "\"",
         runner -> (Callbacks.ChangeTarget) (changed, yaml) -> runner.run(() -> listener.accept(changed, yaml)),
         (user, watch) -> handle.status(

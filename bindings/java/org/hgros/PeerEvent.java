@@ -7,5 +7,11 @@ public enum PeerEvent {
   /** It uses a channel with another type. */
   TYPE_MISMATCH,
   /** It serves a name that is served. */
-  SERVED_TWICE
+  SERVED_TWICE,
+  /** Something that this version of the binding does not know. */
+  UNKNOWN;
+
+  static PeerEvent of(int number) {
+    return number >= 0 && number < UNKNOWN.ordinal() ? values()[number] : UNKNOWN;
+  }
 }

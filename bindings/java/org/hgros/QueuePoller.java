@@ -76,11 +76,20 @@ final class QueuePoller {
     while (true) {
       int count = epoll_wait(POLL, events, MOST_EVENTS, -1); // -1 after a signal.
       for (int i = 0; i < count; i++) {
-        Bell bell = BELLS.get(events.getLong((long) i * EVENT_BYTES + NUMBER_OFFSET));
-        if (bell != null) {
-          bell.ring();
-        }
+        ring(events.getLong((long) i * EVENT_BYTES + NUMBER_OFFSET));
       }
+    }
+  }
+
+  /** All queues of the process depend on this thread, so what one of them throws must not end it. */
+  private static void ring(long number) {
+    try {
+      Bell bell = BELLS.get(number);
+      if (bell != null) {
+        bell.ring();
+      }
+    } catch (Throwable e) {
+      Callbacks.reportUncaught(e);
     }
   }
 }

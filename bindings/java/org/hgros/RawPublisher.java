@@ -12,6 +12,7 @@ public final class RawPublisher implements AutoCloseable {
 
   RawPublisher(Session session, String channel, Schema schema, PublishOptions options) {
     this.session = session;
+    Texts.checked("The name of the channel", channel);
     Structs.PublishOptions chosen = new Structs.PublishOptions();
     chosen.latched = options.latched;
     long[] opened = new long[1];

@@ -12,6 +12,9 @@ public final class RawSubscription implements AutoCloseable {
   /** A callback leaves its thread to others after this many messages. */
   private static final int MOST_IN_A_ROW = 64;
 
+  /** Whether this thread runs a callback of a subscription: it must not wait for another one, which may wait for it. */
+  private static final ThreadLocal<Boolean> INSIDE = ThreadLocal.withInitial(() -> false);
+
   private final Session session;
   private final String channel;
   private final Handle handle;
@@ -24,7 +27,8 @@ public final class RawSubscription implements AutoCloseable {
     this.session = session;
     this.channel = channel;
     Structs.SubscribeOptions chosen = new Structs.SubscribeOptions();
-    chosen.name = options.name;
+    Texts.checked("The name of the channel", channel);
+    chosen.name = Texts.checked("The name of the subscription", options.name);
     chosen.keep_last = options.keepLast;
     chosen.keep_all = options.keepAll;
     chosen.keep_all_bytes = options.keepAllBytes;
@@ -122,9 +126,9 @@ public final class RawSubscription implements AutoCloseable {
 
   /**
    * From now on calls `callback` with each message, in order, one call at a time, in tasks of `executor`, until the
-   * subscription or its session is closed. The message is closed when the callback returns. What it throws is written
-   * into the session's log and counted. The executor must not run tasks on the thread that gives them to it, which
-   * serves all queues.
+   * subscription or its session is closed, which waits for it. The message is closed when the callback returns. What it
+   * throws is written into the session's log and counted. The executor must not run tasks on the thread that gives them
+   * to it, which serves all queues.
    */
   public RawSubscription onMessage(Executor executor, Consumer<ReceivedMessage> callback) {
     onPointer(executor, message -> {
@@ -143,38 +147,51 @@ public final class RawSubscription implements AutoCloseable {
         executor.execute(drain);
       } catch (Throwable e) {
         session.report("The executor of channel \"" + channel + "\" takes no task, so the subscription ends", e);
-        handle.close();
+        end();
       }
     });
+    session.keep(this);
     bell.arm();
+  }
+
+  private void end() {
+    session.forget(this);
+    handle.close();
   }
 
   private void drain(LongConsumer callback) {
     if (!turn.tryLock()) {
       return; // The one that runs arms the bell when it is done.
     }
+    boolean before = INSIDE.get();
+    INSIDE.set(true);
     try {
       for (int i = 0; i < MOST_IN_A_ROW; i++) {
         long message = tryTake();
         if (message == 0) {
           break;
         }
-        try {
-          callback.accept(message);
-        } catch (Throwable e) {
-          failed.incrementAndGet();
-          session.report("The callback of channel \"" + channel + "\" failed", e);
-        }
+        run(callback, message);
       }
     } catch (HgrosException e) { // The session has ended.
-      handle.close();
+      end();
     } finally {
+      INSIDE.set(before);
       turn.unlock();
+      try {
+        bell.arm();
+      } catch (HgrosException e) {
+        // Closed meanwhile.
+      }
     }
+  }
+
+  private void run(LongConsumer callback, long message) {
     try {
-      bell.arm();
-    } catch (HgrosException e) {
-      // Closed meanwhile.
+      callback.accept(message);
+    } catch (Throwable e) {
+      failed.incrementAndGet();
+      session.report("The callback of channel \"" + channel + "\" failed", e);
     }
   }
 
@@ -186,12 +203,14 @@ public final class RawSubscription implements AutoCloseable {
         failed.get());
   }
 
-  /** Ends the subscription, wakes those that take, and waits for the running callback, unless it is called there. */
+  /** Ends the subscription and wakes those that take. Outside callbacks it waits for the running one. */
   @Override
   public void close() {
-    handle.close();
+    end();
     bell.end();
-    turn.lock();
-    turn.unlock();
+    if (!INSIDE.get() && !Callbacks.inside()) {
+      turn.lock();
+      turn.unlock();
+    }
   }
 }

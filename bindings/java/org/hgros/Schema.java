@@ -33,6 +33,7 @@ public final class Schema {
   }
 
   private static Schema create(String typeName, int encoding, long fingerprint, byte[] set) {
+    Texts.checked("The name of a type", typeName);
     long[] created = new long[1];
     HgrosC.check(HgrosC.hgros_schema_create(typeName, encoding, fingerprint, set, set == null ? 0 : set.length,
         created));
@@ -49,6 +50,7 @@ public final class Schema {
 
   /** A type that comes with the library, such as "foxglove.Log". */
   public static Schema known(String typeName) {
+    Texts.checked("The name of a type", typeName);
     long[] found = new long[1];
     HgrosC.check(HgrosC.hgros_schema_known(typeName, found));
     return new Schema(found[0]);

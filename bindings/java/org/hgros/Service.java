@@ -11,6 +11,7 @@ public final class Service implements AutoCloseable {
   <Q extends Message, R extends Message> Service(Session session, String name, Q request, R reply,
       ServiceHandler<Q, R> handler, ServeOptions options) {
     this.session = session;
+    Texts.checked("The name of the service", name);
     Callbacks.ServiceTarget target = message -> {
       Reference.reachabilityFence(session); // Not forgotten while it serves.
       return handler.handle(ReceivedMessage.parse(message, request)).toByteArray();

@@ -2,7 +2,6 @@ package org.hgros;
 
 import com.google.protobuf.Message;
 import com.sun.jna.Pointer;
-import com.sun.jna.StringArray;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
@@ -26,9 +25,9 @@ public final class Session implements AutoCloseable {
 
   private Session(SessionOptions options, Opening opening) {
     Structs.SessionOptions chosen = new Structs.SessionOptions();
-    chosen.name = options.name;
+    chosen.name = Texts.checked("The name of the session", options.name);
     if (options.log != null) {
-      Callbacks.LogTarget target = (level, text) -> options.log.accept(LogLevel.values()[level], text);
+      Callbacks.LogTarget target = (level, text) -> options.log.accept(LogLevel.of(level), text);
       chosen.log = Callbacks.LOG;
       chosen.log_user = Callbacks.keep(target);
       chosen.log_release = Callbacks.RELEASE;
@@ -53,13 +52,15 @@ public final class Session implements AutoCloseable {
 
   /** Opens a session with a configuration as YAML text. */
   public static Session open(String yaml, SessionOptions options) {
+    Texts.checked("The configuration", yaml);
     return new Session(options, (chosen, session) -> HgrosC.hgros_session_open(yaml, chosen, session));
   }
 
   /** Opens a session with configuration files, which are merged. */
   public static Session openFiles(List<Path> files, SessionOptions options) {
+    Pointer paths = texts(files);
     return new Session(options,
-        (chosen, session) -> HgrosC.hgros_session_open_files(texts(files), files.size(), chosen, session));
+        (chosen, session) -> HgrosC.hgros_session_open_files(paths, files.size(), chosen, session));
   }
 
   /**
@@ -78,8 +79,8 @@ public final class Session implements AutoCloseable {
   }
 
   /**
-   * Ends the session, waits for running handlers, and says goodbye to the other sessions. Inside a handler it does not
-   * wait, and the rest stays until the process ends.
+   * Ends the session, waits for running handlers and callbacks, and says goodbye to the other sessions. Inside a
+   * callback it does not wait for others; inside a handler the rest stays until the process ends.
    */
   @Override
   public void close() {
@@ -92,7 +93,7 @@ public final class Session implements AutoCloseable {
       try {
         child.close();
       } catch (Exception e) {
-        throw new IllegalStateException(e); // Services and watches throw nothing.
+        throw new IllegalStateException(e); // Services, watches and subscriptions throw nothing.
       }
     }
   }
@@ -129,17 +130,26 @@ public final class Session implements AutoCloseable {
 
   /** Writes a line into the session's log. */
   public void log(LogLevel level, String line) {
+    Texts.checked("The line for the log", line);
     handle.call(session -> HgrosC.hgros_session_log(session, level.ordinal(), line));
   }
 
   /** Writes what a callback has thrown into the log. */
   void report(String what, Throwable thrown) {
-    StackTraceElement[] frames = thrown.getStackTrace();
-    String place = frames.length == 0 ? "" : " at " + frames[0];
     try {
-      log(LogLevel.ERROR, (what + ": " + thrown + place + ".").replaceAll("\\p{Cntrl}", " "));
+      log(LogLevel.ERROR, (what + ": " + described(thrown) + ".").replaceAll("\\p{Cntrl}", " "));
     } catch (HgrosException e) {
       // The session is closed, and so is its log.
+    }
+  }
+
+  /** What a program's exception is, whose methods may throw themselves. */
+  private static String described(Throwable thrown) {
+    try {
+      StackTraceElement[] frames = thrown.getStackTrace();
+      return thrown + (frames.length == 0 ? "" : " at " + frames[0]);
+    } catch (Throwable e) {
+      return thrown.getClass().getName();
     }
   }
 
@@ -186,12 +196,14 @@ public final class Session implements AutoCloseable {
 
   /** Waits until a channel that this session publishes has at least `count` subscribers. */
   public void waitForSubscribers(String channel, int count, Duration timeout) throws InterruptedException {
+    Texts.checked("The name of the channel", channel);
     HgrosC.check(Waits.inSlices(timeout, slice -> handle.status(
         session -> HgrosC.hgros_session_wait_for_subscribers(session, channel, count, slice))));
   }
 
   /** Waits until at least `count` other sessions that publish on a channel are connected. */
   public void waitForPublishers(String channel, int count, Duration timeout) throws InterruptedException {
+    Texts.checked("The name of the channel", channel);
     HgrosC.check(Waits.inSlices(timeout, slice -> handle.status(
         session -> HgrosC.hgros_session_wait_for_publishers(session, channel, count, slice))));
   }
@@ -239,6 +251,7 @@ public final class Session implements AutoCloseable {
    * answer.
    */
   public Params paramsOf(String name, Duration timeout) {
+    Texts.checked("The name of the other session", name);
     return new Params(this,
         (session, params) -> HgrosC.hgros_params_of(session, name, Waits.nanos(timeout), params));
   }
@@ -290,17 +303,12 @@ public final class Session implements AutoCloseable {
   public Watch onPeer(PeerListener listener) {
     return Watch.open(this, this, "The listener for peers",
         runner -> (Callbacks.PeerTarget) (event, peer, channel, reason) -> runner.run(() -> listener.happened(
-            PeerEvent.values()[event], new Peer(new Structs.Peer(new Pointer(peer))), channel, reason)),
+            PeerEvent.of(event), new Peer(new Structs.Peer(new Pointer(peer))), channel, reason)),
         (user, watch) -> handle.status(
             session -> HgrosC.hgros_watch_peers(session, Callbacks.PEER, user, Callbacks.RELEASE, watch)));
   }
 
   private static Pointer texts(List<Path> files) {
-    return texts(files.stream().map(Path::toString).toArray(String[]::new));
-  }
-
-  /** Texts in memory of C. */
-  static Pointer texts(String... texts) {
-    return new StringArray(texts, "UTF-8");
+    return Texts.list("The path of a file", files.stream().map(Path::toString).toArray(String[]::new));
   }
 }

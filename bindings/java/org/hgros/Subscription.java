@@ -57,7 +57,7 @@ public final class Subscription<T extends Message> implements AutoCloseable {
     return raw.stats();
   }
 
-  /** Ends the subscription, wakes those that wait, and waits for the running callback, unless it is called there. */
+  /** Ends the subscription and wakes those that wait. Outside callbacks it waits for the running one. */
   @Override
   public void close() {
     raw.close();

@@ -41,7 +41,13 @@ public final class Watch implements AutoCloseable {
       }
     };
     long[] opened = new long[1];
-    HgrosC.check(opening.open(Callbacks.keep(target.apply(runner)), opened));
+    long user = Callbacks.keep(target.apply(runner));
+    try {
+      HgrosC.check(opening.open(user, opened));
+    } catch (HgrosException e) {
+      Callbacks.forget(user); // If the owner is closed, the library never had it.
+      throw e;
+    }
     return session.keep(new Watch(session, owner, new Handle("watch", opened[0], pointer -> {
       HgrosC.hgros_watch_close(pointer);
       return 0;

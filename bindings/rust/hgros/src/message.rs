@@ -165,7 +165,10 @@ fn next_field(rest: &[u8]) -> ProtobufResult<(u32, &[u8], usize)> {
     let mut input = CodedInputStream::from_bytes(rest);
     let (field, wire_type) = input.read_tag_unpack()?;
     if wire_type != WireType::WireTypeLengthDelimited {
-        input.skip_field(wire_type)?;
+        match wire_type {
+            WireType::WireTypeStartGroup => skip_group(&mut input, field)?,
+            _ => input.skip_field(wire_type)?,
+        }
         return Ok((field, &[], input.pos() as usize));
     }
     let size = input.read_raw_varint32()? as usize;
@@ -174,6 +177,26 @@ fn next_field(rest: &[u8]) -> ProtobufResult<(u32, &[u8], usize)> {
         .get(start..start + size)
         .ok_or(ProtobufError::WireError(WireError::UnexpectedEof))?;
     Ok((field, value, start + size))
+}
+
+/// Skips a group, whose start was read: fields of old protobuf types, and other groups, until its end.
+fn skip_group(input: &mut CodedInputStream<'_>, number: u32) -> ProtobufResult<()> {
+    const MOST_OPEN: usize = 100; // As protobuf for C++ has it.
+    let mut open = vec![number];
+    while let Some(&group) = open.last() {
+        let (field, wire_type) = input.read_tag_unpack()?;
+        match wire_type {
+            WireType::WireTypeStartGroup if open.len() == MOST_OPEN => {
+                return Err(ProtobufError::WireError(WireError::OverRecursionLimit));
+            }
+            WireType::WireTypeStartGroup => open.push(field),
+            WireType::WireTypeEndGroup if field == group => {
+                open.pop();
+            }
+            _ => input.skip_field(wire_type)?, // Refuses the end of another group.
+        }
+    }
+    Ok(())
 }
 
 /// The number of messages of this process that were returned and not yet dropped.

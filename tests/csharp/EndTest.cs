@@ -1,0 +1,109 @@
+using System;
+using System.Reflection;
+using System.Runtime.InteropServices;
+using System.Threading;
+using Hgros;
+using static Test;
+
+// The end of a program, which must not wait for threads of the library.
+public static class EndTest {
+  private static readonly DynamicType Log = DynamicType.Known("foxglove.Log");
+
+  // Callbacks run, or are about to, and nothing is disposed.
+  private static void LeaveCallbacks() {
+    var session = new Session();
+    var publisher = session.Advertise("words", Log);
+    for (int i = 0; i < 4; ++i) session.Listen("words", Log, log => { });
+    for (int i = 0; i < 5; ++i) publisher.Publish(new DynamicMessage(Log));
+  }
+
+  [Test]
+  public static void ExitDoesNotWaitForCallbacks() {
+    LeaveCallbacks();
+    Environment.Exit(0);
+  }
+
+  [Test]
+  public static void MainReturnsWhileCallbacksRun() {
+    LeaveCallbacks();
+  }
+
+  [Test]
+  public static void ExitEndsAlsoInsideACallback() {
+    var session = new Session();
+    session.Listen("words", Log, log => Environment.Exit(0));
+    session.Advertise("words", Log).Publish(new DynamicMessage(Log));
+    new ManualResetEvent(false).WaitOne(Patience);
+    throw new Exception("The program did not end.");
+  }
+
+  [Test]
+  public static void ExitDoesNotWaitForACallbackThatDoesNotReturn() {
+    var session = new Session();
+    var entered = new ManualResetEventSlim();
+    session.Listen("words", Log, log => {
+      entered.Set();
+      new ManualResetEvent(false).WaitOne();
+    });
+    session.Advertise("words", Log).Publish(new DynamicMessage(Log));
+    True(entered.Wait(Patience), "the callback runs");
+    Environment.Exit(0);
+  }
+
+  // The rest uses the C interface itself.
+  private const string Library = "libhgros_c.so.0";
+
+  [DllImport(Library)]
+  private static extern int hgros_session_open(string yaml, IntPtr options, out IntPtr session);
+  [DllImport(Library)]
+  private static extern int hgros_schema_known(string name, out IntPtr schema);
+  [DllImport(Library)]
+  private static extern int hgros_publisher_open(IntPtr session, string channel, IntPtr schema, IntPtr options,
+    out IntPtr publisher);
+  [DllImport(Library)]
+  private static extern int hgros_subscribe(IntPtr session, string channel, IntPtr options, IntPtr callback,
+    IntPtr user, IntPtr release, out IntPtr subscription);
+  [DllImport(Library)]
+  private static extern int hgros_publish_borrowed(IntPtr publisher, byte[] data, UIntPtr size, IntPtr user,
+    IntPtr release, long timeout);
+  [DllImport("libdl.so.2")]
+  private static extern IntPtr dlopen(string file, int flags);
+  [DllImport("libdl.so.2")]
+  private static extern IntPtr dlsym(IntPtr library, string name);
+
+  private sealed class Watched {
+    internal readonly ManualResetEventSlim Gone;
+
+    internal Watched(ManualResetEventSlim gone) {
+      Gone = gone;
+    }
+
+    ~Watched() => Gone.Set();
+  }
+
+  // A worker of the library drops the last use of a message, and runs no other code of the program than its release.
+  [Test]
+  public static void ThreadsThatOnlyReleaseDoNotHoldUpTheEnd() {
+    const BindingFlags flags = BindingFlags.NonPublic | BindingFlags.Static;
+    Type callbacks = typeof(Session).Assembly.GetType("Hgros.Callbacks", true);
+    var release = (Delegate)callbacks.GetField("Release", flags).GetValue(null);
+    IntPtr function = Marshal.GetFunctionPointerForDelegate(release);
+    IntPtr session, schema, publisher, subscription;
+    Equal(0, hgros_session_open("", IntPtr.Zero, out session));
+    Equal(0, hgros_schema_known("foxglove.Log", out schema));
+    Equal(0, hgros_publisher_open(session, "words", schema, IntPtr.Zero, out publisher));
+    // A function of C that looks at its first argument alone, which is NULL.
+    IntPtr callback = dlsym(dlopen(Library, 1), "hgros_session_id");
+    True(callback != IntPtr.Zero, "the library has the function");
+    Equal(0, hgros_subscribe(session, "words", IntPtr.Zero, callback, IntPtr.Zero, IntPtr.Zero, out subscription));
+    var gone = new ManualResetEventSlim();
+    for (int i = 0; i < 20; ++i) {
+      IntPtr user = GCHandle.ToIntPtr(GCHandle.Alloc(new Watched(gone)));
+      Equal(0, hgros_publish_borrowed(publisher, new byte[0], UIntPtr.Zero, user, function, 0));
+    }
+    Until("the messages are released", () => {
+      GC.Collect();
+      return gone.Wait(1);
+    });
+  }
+}
