@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <new>
+#include <stdexcept>
 
 #include "c/callbacks.hpp"
 #include "c/calling.hpp"
@@ -49,6 +50,8 @@ hgros_status FailHere() noexcept {
     return Fail(HGROS_REFUSED, error.what());
   } catch (const std::bad_alloc&) {
     return Fail(HGROS_NO_MEMORY, "There is no memory for it.");
+  } catch (const std::length_error&) {
+    return Fail(HGROS_NO_MEMORY, "There is no memory for it: its size is larger than any memory.");
   } catch (const std::exception& error) {
     return Fail(HGROS_ERROR, error.what());
   } catch (...) {

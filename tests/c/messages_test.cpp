@@ -1,5 +1,6 @@
 #include <poll.h>
 
+#include <cstdint>
 #include <cstring>
 #include <thread>
 
@@ -154,6 +155,12 @@ TEST_F(CMessages, KeptMessageOutlivesCallbackSubscriptionAndSession) {
   EXPECT_EQ(test::TextOf(kept), "kept");
   hgros_message_free(kept);
   EXPECT_EQ(hgros_message_leases(), before);
+}
+
+TEST_F(CMessages, ASizeThatNoMemoryHasIsRefusedWithASentence) {
+  const auto publisher = Publisher(session, "words", text);
+  EXPECT_EQ(hgros_publish(publisher.get(), "x", SIZE_MAX), HGROS_NO_MEMORY);
+  EXPECT_EQ(LastError(), "There is no memory for it: its size is larger than any memory.");
 }
 
 TEST_F(CMessages, LoanIsFilledPublishedOnceAndThenClosed) {

@@ -42,6 +42,20 @@ class Params(RobotTest):
         self.assertNotIn("all.flag", params)
         self.assertIsNone(params["all.flag"])
 
+    def test_a_parameter_that_no_file_could_hold_is_refused_with_the_reason(self):
+        params = self.session().params
+        endless = []
+        endless.append(endless)
+        refused = {"contains itself": endless, "at most 64 bits": [1, 2**63], "surrogate": "\ud800", "keys": {1: 2}}
+        for reason, value in refused.items():
+            with self.assertRaisesRegex((TypeError, ValueError), reason):
+                params["all"] = value
+        self.assertNotIn("all", params)
+        with self.assertRaisesRegex(ValueError, "at most 64 bits"):
+            params.declare("large", 2**63)
+        with self.assertRaisesRegex(TypeError, "list of numbers or texts"):
+            params.declare("mixed", [1, "a"])
+
     def test_file_and_environment_set_parameters_and_save_keeps_comments(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder, "robot.yaml")

@@ -5,10 +5,12 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "doctor/evidence.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -62,6 +64,15 @@ const KnownChannel* PublishedLike(const Evidence& evidence, const std::string& n
   return nullptr;
 }
 
+// Transforms subscribes to two channels, and robots without moving or without fixed frames publish only one of them.
+bool HasOtherTransforms(const Evidence& evidence, std::string_view name) {
+  if (name != kTransformsChannel && name != kStaticTransformsChannel) return false;
+  const std::string_view other = name == kTransformsChannel ? kStaticTransformsChannel : kTransformsChannel;
+  return std::ranges::any_of(evidence.channels, [other](const KnownChannel& channel) {
+    return channel.name == other && !channel.publishers.empty();
+  });
+}
+
 void CheckEnds(const Evidence& evidence, Findings& findings) {
   const auto without = [&](auto KnownChannel::*missing, auto KnownChannel::*present) {
     std::vector<const KnownChannel*> found;
@@ -81,6 +92,7 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
   const auto unheard = without(&KnownChannel::subscribers, &KnownChannel::publishers);
   for (const KnownChannel* wanted : without(&KnownChannel::publishers, &KnownChannel::subscribers)) {
     if (!was_so(*wanted, &KnownChannel::publishers) || IsKeptFromOthers(evidence, wanted->name)) continue;
+    if (HasOtherTransforms(evidence, wanted->name)) continue;
     const auto compared = std::span(unheard).first(std::min(unheard.size(), kMostCompared));
     const auto like = std::ranges::find_if(
         compared, [&](const KnownChannel* other) { return DifferByATypingError(wanted->name, other->name); });

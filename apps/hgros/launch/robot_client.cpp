@@ -23,6 +23,7 @@ RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, 
       at_once ? std::chrono::steady_clock::now() + kAnswerPatience : std::chrono::steady_clock::time_point::max();
   stream->Add(request);
   bool open = stream->Write();
+  if (!open) (void)stream->Read();  // It may have refused the command already.
   while (true) {
     RobotReply reply;
     while (stream->Next(reply)) {

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
@@ -128,13 +129,26 @@ RobotSocket::RobotSocket(const std::string& name) {
   throw Error("The system refused the socket of the robot: " + std::generic_category().message(error) + ".");
 }
 
-RobotSocket::~RobotSocket() { close(descriptor_); }
+RobotSocket::~RobotSocket() {
+  close(descriptor_);
+  if (spare_ >= 0) close(spare_);
+}
 
-std::unique_ptr<MessageStream> RobotSocket::Accept() const {
-  const int client = accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+std::unique_ptr<MessageStream> RobotSocket::Accept() {
+  const auto accept = [this] { return accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK); };
+  int client = accept();
+  if (client < 0 && (errno == EMFILE || errno == ENFILE) && spare_ >= 0) {
+    close(std::exchange(spare_, -1));
+    client = accept();
+  }
   if (client < 0) return nullptr;
   auto stream = std::make_unique<MessageStream>(client);
   return IsOurs(client) ? std::move(stream) : nullptr;
+}
+
+bool RobotSocket::HasSpare() {
+  if (spare_ < 0) spare_ = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  return spare_ >= 0;
 }
 
 std::vector<std::string> RunningRobots() {

@@ -20,11 +20,16 @@ class RobotSocket {
 
   /// Readable once somebody connects.
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
-  /// The next connection; null: there is none, or it is another user's.
-  [[nodiscard]] std::unique_ptr<MessageStream> Accept() const;
+  /// The next connection; null: there is none, or it is another user's. At the limit of open files it takes the spare
+  /// descriptor, so that the other side can be told.
+  [[nodiscard]] std::unique_ptr<MessageStream> Accept();
+  /// Whether there is a spare descriptor, after an attempt to get one. Without it a connection at the limit of open
+  /// files would stay, and readable.
+  [[nodiscard]] bool HasSpare();
 
  private:
   int descriptor_ = -1;
+  int spare_ = -1;
 };
 
 /// The names of the robots that run, sorted.

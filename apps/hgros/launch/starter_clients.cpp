@@ -18,8 +18,8 @@ constexpr std::chrono::milliseconds kUnreadPatience{200};  // For commands that 
 
 }  // namespace
 
-void StarterClients::AddTo(std::vector<pollfd>& watched) const {
-  if (clients_.size() < kMostClients) watched.push_back({socket_.descriptor(), POLLIN, 0});
+void StarterClients::AddTo(std::vector<pollfd>& watched) {
+  if (socket_.HasSpare()) watched.push_back({socket_.descriptor(), POLLIN, 0});
   for (const Client& client : clients_) {
     const auto events = static_cast<short>(client.stream->unsent() > 0 ? POLLIN | POLLOUT : POLLIN);
     watched.push_back({client.stream->descriptor(), events, 0});
@@ -27,10 +27,14 @@ void StarterClients::AddTo(std::vector<pollfd>& watched) const {
 }
 
 void StarterClients::Serve() {
-  while (clients_.size() < kMostClients) {
-    auto stream = socket_.Accept();
-    if (stream == nullptr) break;
+  while (auto stream = socket_.Accept()) {
     clients_.push_back({std::move(stream)});
+    if (clients_.size() > kMostClients) {
+      RefuseLast("serves " + std::to_string(kMostClients) +
+                 " commands, and no more. End some, such as `hgros wait` and `hgros logs -f`.");
+    } else if (!socket_.HasSpare()) {
+      RefuseLast("can open no more files. Raise the limit of its hgros run (ulimit -n), or end other commands.");
+    }
   }
   for (Client& client : clients_) {
     client.gone = !client.stream->Read();
@@ -41,6 +45,13 @@ void StarterClients::Serve() {
     if (!client.stream->Write() || client.stream->unsent() > kMostUnreadBytes) client.gone = true;
   }
   clients_.remove_if([](const Client& client) { return client.gone; });
+}
+
+// Its command ends with these words; otherwise it would wait for an answer without one.
+void StarterClients::RefuseLast(const std::string& why) {
+  SendEnd(clients_.back(), kFailed, "The robot \"" + name_ + "\" " + why);
+  (void)clients_.back().stream->Write();
+  clients_.pop_back();
 }
 
 void StarterClients::Take(Client& client, const RobotRequest& request) {

@@ -24,10 +24,10 @@ class Starter;
 class StarterClients {
  public:
   /// Throws Error if a robot of that name runs. Borrows the starter.
-  StarterClients(Starter& starter, const std::string& name) : starter_(starter), socket_(name) {}
+  StarterClients(Starter& starter, const std::string& name) : starter_(starter), name_(name), socket_(name) {}
 
   /// Adds what Serve() waits for.
-  void AddTo(std::vector<pollfd>& watched) const;
+  void AddTo(std::vector<pollfd>& watched);
   /// Takes what they ask, and answers what is due.
   void Serve();
   /// Tells a new line to those that follow the log.
@@ -50,6 +50,7 @@ class StarterClients {
     bool gone = false;
   };
 
+  void RefuseLast(const std::string& why);
   void Take(Client& client, const RobotRequest& request);
   void TakeLogs(Client& client, const RobotRequest::Logs& logs);
   void TakeRestart(Client& client, const std::string& name);
@@ -61,6 +62,7 @@ class StarterClients {
   static void SendEnd(Client& client, int code, const std::string& sentence = {});
 
   Starter& starter_;
+  const std::string name_;
   RobotSocket socket_;
   std::list<Client> clients_;
 };

@@ -116,6 +116,9 @@ void TryEach(Teller& teller, const std::vector<ComponentSetup>& setups, const Co
     } catch (const Error& error) {
       teller.Fault(Error("Component \"" + setup.name + "\": " + error.sentence(), error.where(), error.mend()));
       continue;
+    } catch (const std::exception& error) {
+      teller.Fault(Error("Component \"" + setup.name + "\": " + error.what()));
+      continue;
     }
     teller.Load({});
     dry_run.Construct(setup);

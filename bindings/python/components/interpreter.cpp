@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 
 #include "hgros/base/error.hpp"
@@ -112,7 +113,12 @@ void RunInterpreter(const std::shared_ptr<std::promise<const ComponentHost*>>& s
 ComponentType Find(std::string_view name) {
   static const std::shared_future<const ComponentHost*> host = [] {
     auto started = std::make_shared<std::promise<const ComponentHost*>>();
-    std::thread([started] { RunInterpreter(started); }).detach();
+    try {
+      std::thread([started] { RunInterpreter(started); }).detach();
+    } catch (const std::system_error&) {
+      throw Error("Cannot start the thread of Python: the system gives this process no more threads or memory.", {},
+                  "Raise the limit of threads (ulimit -u, or pids.max of the control group) or of memory (ulimit -v).");
+    }
     return started->get_future().share();
   }();
   return host.get()->find(name);

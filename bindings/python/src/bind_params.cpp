@@ -109,19 +109,43 @@ py::object ToPython(const ParamView& view) {
   return py::str(node.text);
 }
 
-ParamNode ToNode(const py::handle& value) {
+std::int64_t WholeNumber(const py::handle& value) {
+  try {
+    return value.cast<std::int64_t>();
+  } catch (const py::cast_error&) {
+    throw py::value_error("A whole number of a parameter has at most 64 bits: it is from -2**63 to 2**63 - 1.");
+  }
+}
+
+std::string Text(const py::handle& value) {
+  if (!py::isinstance<py::str>(value)) throw py::type_error("The paths and keys of parameters are texts.");
+  try {
+    return value.cast<std::string>();
+  } catch (const py::cast_error&) {
+    throw py::value_error("A text of a parameter has half of a surrogate pair, so it cannot be written as UTF-8.");
+  }
+}
+
+// At that depth files of parameters end, too. A list may contain itself.
+constexpr int kMostNested = 64;
+
+ParamNode ToNode(const py::handle& value, int depth = 0) {
   if (py::isinstance<py::bool_>(value)) return ParamCodec<bool>::Write(value.cast<bool>());
-  if (py::isinstance<py::int_>(value)) return ParamCodec<std::int64_t>::Write(value.cast<std::int64_t>());
+  if (py::isinstance<py::int_>(value)) return ParamCodec<std::int64_t>::Write(WholeNumber(value));
   if (py::isinstance<py::float_>(value)) return ParamCodec<double>::Write(value.cast<double>());
-  if (py::isinstance<py::str>(value)) return ParamCodec<std::string>::Write(value.cast<std::string>());
+  if (py::isinstance<py::str>(value)) return ParamCodec<std::string>::Write(Text(value));
+  if (depth == kMostNested) {
+    throw py::value_error("The lists and dicts of a parameter are nested more than " + std::to_string(kMostNested) +
+                          " deep, or one contains itself.");
+  }
   if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
     std::vector<ParamNode> items;
-    for (const auto& item : value) items.push_back(ToNode(item));
+    for (const auto& item : value) items.push_back(ToNode(item, depth + 1));
     return ParamNode::List(std::move(items));
   }
   if (py::isinstance<py::dict>(value)) {
     std::vector<std::pair<std::string, ParamNode>> entries;
-    for (const auto& [key, item] : value.cast<py::dict>()) entries.emplace_back(key.cast<std::string>(), ToNode(item));
+    for (const auto& [key, item] : value.cast<py::dict>()) entries.emplace_back(Text(key), ToNode(item, depth + 1));
     return ParamNode::Map(std::move(entries));
   }
   throw py::type_error("A parameter is a bool, a number, a text, a list or a dict, not " +
@@ -136,6 +160,10 @@ py::object Declare(ParamsHandle& handle, const std::string& path, const T& fallb
   return py::cast(value);
 }
 
+[[noreturn]] void RefuseDefault() {
+  throw py::type_error("The default of a parameter is a bool, a number, a text, or a list of numbers or texts.");
+}
+
 template <class T>
 bool AllAre(const py::list& list) {
   for (const auto& item : list) {
@@ -144,29 +172,40 @@ bool AllAre(const py::list& list) {
   return true;
 }
 
+template <class T>
+std::vector<T> ItemsOf(const py::list& list, T (*read)(const py::handle& item)) {
+  std::vector<T> items;
+  for (const auto& item : list) items.push_back(read(item));
+  return items;
+}
+
+std::vector<double> Numbers(const py::list& list) {
+  try {
+    return list.cast<std::vector<double>>();  // Whatever can be a float, such as numbers of numpy.
+  } catch (const py::cast_error&) {
+    RefuseDefault();
+  }
+}
+
 py::object DeclareList(ParamsHandle& handle, const std::string& path, const py::list& fallback, ParamInfo info) {
-  if (AllAre<py::str>(fallback)) {
-    return Declare(handle, path, fallback.cast<std::vector<std::string>>(), std::move(info));
-  }
-  if (AllAre<py::int_>(fallback)) {
-    return Declare(handle, path, fallback.cast<std::vector<std::int64_t>>(), std::move(info));
-  }
-  return Declare(handle, path, fallback.cast<std::vector<double>>(), std::move(info));
+  if (AllAre<py::str>(fallback)) return Declare(handle, path, ItemsOf(fallback, &Text), std::move(info));
+  if (AllAre<py::int_>(fallback)) return Declare(handle, path, ItemsOf(fallback, &WholeNumber), std::move(info));
+  return Declare(handle, path, Numbers(fallback), std::move(info));
 }
 
 py::object DeclareAny(ParamsHandle& handle, const std::string& path, const py::object& fallback, ParamInfo info) {
   if (py::isinstance<py::bool_>(fallback)) return Declare(handle, path, fallback.cast<bool>(), std::move(info));
-  if (py::isinstance<py::int_>(fallback)) return Declare(handle, path, fallback.cast<std::int64_t>(), std::move(info));
+  if (py::isinstance<py::int_>(fallback)) return Declare(handle, path, WholeNumber(fallback), std::move(info));
   if (py::isinstance<py::float_>(fallback)) return Declare(handle, path, fallback.cast<double>(), std::move(info));
-  if (py::isinstance<py::str>(fallback)) return Declare(handle, path, fallback.cast<std::string>(), std::move(info));
+  if (py::isinstance<py::str>(fallback)) return Declare(handle, path, Text(fallback), std::move(info));
   if (py::isinstance<py::list>(fallback)) return DeclareList(handle, path, fallback.cast<py::list>(), std::move(info));
-  throw py::type_error("The default of a parameter is a bool, a number, a text, or a list of numbers or texts.");
+  RefuseDefault();
 }
 
 std::string Set(ParamsHandle& handle, const py::dict& values) {
   std::vector<ParamChange> changes;
   for (const auto& [path, value] : values) {
-    ParamChange change{path.cast<std::string>(), std::nullopt};
+    ParamChange change{Text(path), std::nullopt};
     if (!value.is_none()) change.value = ToNode(value);
     changes.push_back(std::move(change));
   }

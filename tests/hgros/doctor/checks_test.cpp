@@ -114,6 +114,16 @@ TEST_F(DoctorChecks, NameMisspelledAndMissingChannels) {
                                               "Nobody publishes \"goal\", to which listener:2 subscribes."));
 }
 
+TEST_F(DoctorChecks, MissNoStaticTransformsWhereOthersArePublished) {
+  AddChannel("tf", false, true);
+  AddChannel("tf_static", false, true);
+  EXPECT_EQ(Say(CheckChannels).size(), 2U);
+  evidence.channels[0].publishers.push_back(UserOf(1, "talker"));
+  EXPECT_THAT(Say(CheckChannels), IsEmpty());
+  std::swap(evidence.channels[0].name, evidence.channels[1].name);  // Only static ones.
+  EXPECT_THAT(Say(CheckChannels), IsEmpty());
+}
+
 TEST_F(DoctorChecks, NameAMisspelledChannelThatOthersHear) {
   AddChannel("scan_front", true, true);
   AddChannel("scan_frotn", false, true);

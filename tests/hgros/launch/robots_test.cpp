@@ -11,6 +11,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <list>
 #include <memory>
 #include <regex>
 #include <string>
@@ -333,6 +334,41 @@ class RawClient {
  private:
   int socket_;
 };
+
+TEST(HgrosRobots, SaysThatItServesNoMoreCommands) {
+  const DetachedRobot robot(kTwo);
+  std::list<RawClient> silent;
+  while (silent.size() < 64) {
+    silent.emplace_back(robot.folder().environment().at("HGROS_DOMAIN"));
+    if (silent.size() % 16 != 0 || silent.size() == 64) continue;
+    EXPECT_EQ(robot.Ask({"ps"}).status, 0);  // All are accepted by then.
+  }
+  for (const char* command : {"ps", "logs", "wait", "stop"}) {
+    const CommandEnd end = robot.Ask({command});
+    EXPECT_EQ(end.status, 1) << command;
+    EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" serves 64 commands, and no more. End some, such as"))
+        << command;
+  }
+  silent.clear();
+  EXPECT_TRUE(test::Await([&] { return robot.Ask({"stop"}).status == 0; })) << "Those that leave make room.";
+}
+
+TEST(HgrosRobots, SleepsAndSaysWhenItCanOpenNoMoreFiles) {
+  const RobotFolder folder("components: {a: {type: relay/Does}}\n");
+  const CommandEnd end = RunInShell(
+      "$HGROS run $FOLDER/robot.yaml > /dev/null & run=$!\n"
+      "for i in $(seq 200); do $HGROS ps 2>&1 | grep -q running && break; sleep 0.1; done\n"
+      "prlimit --pid $run --nofile=$(($(ls /proc/$run/fd | wc -l) + 3))\n"
+      "for i in $(seq 24); do $HGROS wait > /dev/null 2>&1 & waits=\"$waits $!\"; done\n"
+      "for i in $(seq 30); do $HGROS ps > /dev/null 2>&1 || break; sleep 0.1; done\n"
+      "set -- $(cut -d')' -f2 < /proc/$run/stat); before=$((${12} + ${13}))\n"
+      "$HGROS ps; sleep 1\n"
+      "set -- $(cut -d')' -f2 < /proc/$run/stat); echo ticks=$((${12} + ${13} - before))\n"
+      "kill $waits $run 2> /dev/null; wait $run",
+      folder.environment());
+  EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" can open no more files. Raise the limit of its hgros run"));
+  EXPECT_THAT(end.out, ContainsRegex("ticks=[0-9]?[0-9]?\n")) << "It does not spin: a second has 100.";
+}
 
 TEST(HgrosRobots, SurvivesCommandsThatLie) {
   const DetachedRobot robot(kTwo);

@@ -54,22 +54,25 @@ int PsCommand::Run(Surroundings& surroundings) {
                    {"restarts", "RESTARTS", true},
                    {"seconds", "FOR", true},
                    {"host", ""}});
-  bool late = false;
+  int code = kDone;
   for (const std::string& robot : RunningRobots()) {
     RobotRequest request;
     request.set_status(true);
     try {
-      (void)AskRobot(robot, request, surroundings.pause,
-                     [&](const RobotReply& reply) { Add(records, robot, reply.unit()); });
+      const RobotReply::End end = AskRobot(robot, request, surroundings.pause,
+                                           [&](const RobotReply& reply) { Add(records, robot, reply.unit()); });
+      if (end.sentence().empty()) continue;
+      surroundings.console.Say(Visible(end.sentence()));
+      code = kFailed;
     } catch (const TimedOut& error) {
       surroundings.console.Say(Visible(error.what()));
-      late = true;
+      code = kTimedOut;
     } catch (const Error&) {
       continue;  // It has ended meanwhile.
     }
   }
   records.End();
-  if (late) return kTimedOut;
+  if (code != kDone) return code;
   if (records.size() == 0 && !style_.json) surroundings.console.Say("No robot runs. Start one with `hgros run`.");
   return kDone;
 }

@@ -111,7 +111,9 @@ class WaitCommand final : public Command {
   int Run(Surroundings& surroundings) override {
     RobotRequest request;
     request.set_wait(true);
-    return AskRobot(RobotNamed(robot_), request, surroundings.pause).code();
+    const RobotReply::End end = AskRobot(RobotNamed(robot_), request, surroundings.pause);
+    if (!end.sentence().empty()) throw Error(end.sentence());
+    return end.code();
   }
 
  private:
