@@ -39,7 +39,8 @@ endfunction()
 # library can read them so (glibc 2.36 and later).
 include(CheckLinkerFlag)
 include(CheckCXXSourceCompiles)
-check_linker_flag(CXX LINKER:-z,pack-relative-relocs HGROS_LINKER_PACKS_RELOCATIONS)
+# For other processors than those of x86 the linker only warns.
+check_linker_flag(CXX LINKER:--fatal-warnings,-z,pack-relative-relocs HGROS_LINKER_PACKS_RELOCATIONS)
 check_cxx_source_compiles("#include <features.h>
   #if !__GLIBC_PREREQ(2, 36)
   #error too old

@@ -2,6 +2,13 @@ include(GoogleTest)
 include(CheckLinkerFlag)
 # Part of GNU binutils until 2.43; links a test in less than half of the time that GNU ld takes.
 check_linker_flag(CXX -fuse-ld=gold HGROS_GOLD_LINKS)
+# Programs of another processor are emulated, which takes several times as long.
+set(HGROS_EMULATED ${CMAKE_CROSSCOMPILING})
+# For tests that are no suite of hgros_test.
+set(HGROS_TEST_SECONDS 60)
+if(HGROS_EMULATED)
+  set(HGROS_TEST_SECONDS 300)
+endif()
 
 # hgros_test(NAME name SOURCES ... LINK targets... [ALONE sources...] [TIMEOUT seconds] [PROPERTIES ctest properties...])
 # One GoogleTest suite: an executable <name>, and one ctest entry per TEST. Links static modules (hgros::base ...) or
@@ -12,7 +19,7 @@ function(hgros_test)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 60)
   endif()
-  if(HGROS_SANITIZE)
+  if(HGROS_SANITIZE OR HGROS_EMULATED)
     math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 5")
   endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/alone.cpp)
@@ -24,6 +31,9 @@ function(hgros_test)
   endif()
   if(HGROS_GOLD_LINKS)
     target_link_options(${ARG_NAME} PRIVATE -fuse-ld=gold)
+  endif()
+  if(HGROS_EMULATED)
+    target_compile_definitions(${ARG_NAME} PRIVATE HGROS_EMULATED)
   endif()
   # Sanitizers store many addresses, which a program at a fixed place need not relocate whenever it starts.
   if(HGROS_SANITIZE)

@@ -192,8 +192,18 @@ class Time(RobotTest):
 
     def test_rate_ends_with_its_session(self):
         robot = self.session()
+        rate = robot.rate(1000)
         threading.Timer(0.05, robot.close).start()
-        self.assertEqual(list(robot.rate(1000)), [])
+        self.assertEqual(list(rate), [])
+
+    def test_rate_of_a_session_that_another_thread_closes_meanwhile_ends(self):
+        robot = self.session()
+        add = robot._streams.add
+        robot._streams.add = lambda rate: (robot.close(), add(rate))
+        loop = threading.Thread(target=lambda: list(robot.rate(1000)), daemon=True)
+        loop.start()
+        loop.join(DEADLINE_S)
+        self.assertFalse(loop.is_alive())
 
     def test_period_must_be_above_zero(self):
         with self.assertRaisesRegex(ValueError, "above 0 s"):

@@ -290,6 +290,11 @@ class Session:
         self._handlers[key] = handler
         self._ready.add(key)  # Something may have come before there was a handler.
 
+    def _keep(self, stream: Messages[Any] | Rate) -> None:
+        self._streams.add(stream)
+        if self._closing:  # Another thread closes the session, and may have looked for streams before.
+            stream.close()
+
     def _forget(self, key: int) -> None:
         self._handlers.pop(key, None)
 
@@ -316,7 +321,7 @@ class Session:
         inbox = _hgros.Inbox(ready, 0)
         raw = self._open(channel, message_type, inbox, queue, name)
         stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout)
-        self._streams.add(stream)
+        self._keep(stream)
         return stream
 
     # Services.
@@ -402,7 +407,7 @@ class Session:
         inbox = _hgros.Inbox(ready, 0)
         inbox.keep_last(1)
         rate = Rate(_hgros.create_timer(self._use(), f"python{self._new_key()}", period_ns(period), inbox), inbox, ready)
-        self._streams.add(rate)
+        self._keep(rate)
         return rate
 
     def sleep(self, seconds: float) -> None:

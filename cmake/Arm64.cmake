@@ -1,0 +1,20 @@
+# Toolchain: from any Debian host to ARM64, with the libraries of the root that `./dev arm64` makes.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_C_COMPILER /usr/bin/aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER /usr/bin/aarch64-linux-gnu-g++)
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+cmake_path(SET arm64_build NORMALIZE ${CMAKE_CURRENT_LIST_DIR}/../build/arm64)
+set(CMAKE_SYSROOT ${arm64_build}/root)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
+
+# This host's Python answers for that of the root, which has the same version: file names of modules, folders.
+set(Python_EXECUTABLE /usr/bin/python3)
+set(Python3_EXECUTABLE /usr/bin/python3)
+set(ENV{_PYTHON_SYSCONFIGDATA_NAME} _sysconfigdata__aarch64-linux-gnu)
+set(ENV{PYTHONPATH} ${arm64_build}/python_configuration)
