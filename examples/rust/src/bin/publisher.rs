@@ -1,4 +1,4 @@
-//! Publishes five greetings, which nobody has to wait for: the channel keeps the newest ones for late subscribers.
+//! Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later.
 
 use hgros::{PublishOptions, Session};
 use hgros_messages::foxglove::Log;
@@ -8,12 +8,12 @@ fn main() -> Result<(), hgros::Error> {
     let minute = Duration::from_secs(60);
     let session = Session::open("")?;
     let publisher = session.advertise("greetings", PublishOptions { latched: 5 })?;
+    session.wait_for_subscribers("greetings", 1, minute)?; // One that leaves at once could be missed later.
     for number in 1..=5 {
         let mut log = Log::new();
         log.set_message(format!("Hello {number}"));
         publisher.publish_wait(&log, minute)?;
     }
-    session.wait_for_subscribers("greetings", 1, minute)?;
     println!("published");
     Ok(())
 }
