@@ -255,31 +255,44 @@ final class QueuesTest {
 
   public static void closingWaitsForTheCallback() throws Exception {
     try (Session session = Expect.session("waits")) {
-      CountDownLatch entered = new CountDownLatch(1);
-      CountDownLatch goOn = new CountDownLatch(1);
-      AtomicInteger left = new AtomicInteger();
-      Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT).onMessage(message -> {
-        entered.countDown();
-        try {
-          goOn.await();
-        } catch (InterruptedException e) {
-          throw new IllegalStateException(e);
-        }
-        left.incrementAndGet();
-      });
-      session.advertise("words", Expect.TEXT).publish(text(1));
-      entered.await();
-      AtomicInteger leftAtClose = new AtomicInteger(-1);
-      Thread closer = new Thread(() -> {
-        queue.close();
-        leftAtClose.set(left.get());
-      });
-      closer.start();
-      Expect.eventually("close waits", () -> closer.getState() == Thread.State.WAITING);
-      goOn.countDown();
-      closer.join();
-      Expect.equal(leftAtClose.get(), 1);
+      closeInACallback(session, false);
     }
+  }
+
+  public static void closingTheSessionWaitsForTheCallback() throws Exception {
+    closeInACallback(Expect.session("waits"), true);
+  }
+
+  // Another thread closes the session, or only its subscription, while a callback runs.
+  private static void closeInACallback(Session session, boolean closesSession) throws Exception {
+    CountDownLatch entered = new CountDownLatch(1);
+    CountDownLatch goOn = new CountDownLatch(1);
+    AtomicInteger left = new AtomicInteger();
+    Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT).onMessage(message -> {
+      entered.countDown();
+      try {
+        goOn.await();
+      } catch (InterruptedException e) {
+        throw new IllegalStateException(e);
+      }
+      left.incrementAndGet();
+    });
+    session.advertise("words", Expect.TEXT).publish(text(1));
+    entered.await();
+    AtomicInteger leftAtClose = new AtomicInteger(-1);
+    Thread closer = new Thread(() -> {
+      if (closesSession) {
+        session.close();
+      } else {
+        queue.close();
+      }
+      leftAtClose.set(left.get());
+    });
+    closer.start();
+    Expect.eventually("close waits", () -> closer.getState() == Thread.State.WAITING);
+    goOn.countDown();
+    closer.join();
+    Expect.equal(leftAtClose.get(), 1);
   }
 
   public static void anExecutorThatRefusesEndsItsSubscription() throws Exception {
@@ -352,34 +365,6 @@ final class QueuesTest {
       publisher.publish(text("good"));
       Expect.equal(got.poll(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "good");
     }
-  }
-
-  public static void closingTheSessionWaitsForTheCallback() throws Exception {
-    Session session = Expect.session("waits");
-    CountDownLatch entered = new CountDownLatch(1);
-    CountDownLatch goOn = new CountDownLatch(1);
-    AtomicInteger left = new AtomicInteger();
-    session.subscribe("words", Expect.TEXT).onMessage(message -> {
-      entered.countDown();
-      try {
-        goOn.await();
-      } catch (InterruptedException e) {
-        throw new IllegalStateException(e);
-      }
-      left.incrementAndGet();
-    });
-    session.advertise("words", Expect.TEXT).publish(text(1));
-    entered.await();
-    AtomicInteger leftAtClose = new AtomicInteger(-1);
-    Thread closer = new Thread(() -> {
-      session.close();
-      leftAtClose.set(left.get());
-    });
-    closer.start();
-    Expect.eventually("close waits", () -> closer.getState() == Thread.State.WAITING);
-    goOn.countDown();
-    closer.join();
-    Expect.equal(leftAtClose.get(), 1);
   }
 
   public static void callbacksCloseEachOther() throws Exception {
