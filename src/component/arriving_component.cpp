@@ -37,15 +37,7 @@ class ArrivingComponent::Core {
   Core(Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
       : components(its_components), one(its_one), wake(std::move(its_wake)) {}
 
-  void Handle(Input& input, const InputGate::Waiting& waiting) {
-    try {
-      input.gate->Handle(waiting);
-    } catch (const std::exception& error) {
-      one.core.log().Write(LogLevel::kError, "A callback of " + input.gate->node() + " threw: " + error.what());
-    } catch (...) {
-      one.core.log().Write(LogLevel::kError, "A callback of " + input.gate->node() + " threw.");
-    }
-  }
+  void Handle(Input& input, const InputGate::Waiting& waiting) { one.Handle(*input.gate, waiting); }
   // A message that came by itself. False: it is too early.
   bool TakeOwn(Input& input, Stream& stream, const InputGate::Waiting& waiting) {
     const MessageInfo& info = waiting.info;
@@ -225,10 +217,8 @@ std::vector<InputPosition> ArrivingComponent::FirstOwn() { return std::exchange(
 void ArrivingComponent::Finish() {
   core_->finished = true;
   for (Core::Input& input : core_->inputs) {
-    do {
-      for (auto& [sender, stream] : input.streams) core_->TakeEarly(input, stream);
-      while (auto waiting = input.gate->Next()) core_->TakeOwn(input, std::move(*waiting));
-    } while (!input.gate->PassIfEmpty(true));
+    for (auto& [sender, stream] : input.streams) core_->TakeEarly(input, stream);
+    input.gate->Pass([&](InputGate::Waiting waiting) { core_->TakeOwn(input, std::move(waiting)); }, true);
   }
 }
 

@@ -20,6 +20,13 @@ InputGate::InputGate(std::string node, const TypeInfo& type, AnyCallback callbac
                      std::shared_ptr<ComponentGuard> guard)
     : node_(std::move(node)), type_(type), callback_(std::move(callback)), guard_(std::move(guard)) {}
 
+bool InputGate::Suspends() {
+  if (suspend_) return true;
+  suspend_ = SuspenderOfRunningNode();
+  if (suspend_) suspend_(true);
+  return suspend_ != nullptr;
+}
+
 void InputGate::Continue() {
   if (suspend_) std::exchange(suspend_, nullptr)(false);
 }
@@ -30,7 +37,7 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
     Waiting dropped;  // Ends outside the lock.
     {
       std::unique_lock lock(mutex_);
-      if (drains_ && *drains_ != std::this_thread::get_id()) {
+      if (drains_ && *drains_ != std::this_thread::get_id() && !Suspends()) {
         room_.wait_for(lock, kDrainPatience, [this] { return !drains_; });
       }
       room_.wait(lock, [this] {
@@ -46,10 +53,7 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
           waiting_.pop_front();
         }
         waiting_.push_back({message, info});
-        if (waiting_.size() >= kMostWaiting && full_ == Full::kWaits && !suspend_) {
-          suspend_ = SuspenderOfRunningNode();
-          if (suspend_) suspend_(true);
-        }
+        if (waiting_.size() >= kMostWaiting && full_ == Full::kWaits) (void)Suspends();
         wake = wake_;
       }
     }
@@ -73,22 +77,24 @@ std::optional<InputGate::Waiting> InputGate::Next() {
   if (waiting_.empty()) return std::nullopt;
   Waiting next = std::move(waiting_.front());
   waiting_.pop_front();
-  if (waiting_.size() <= kFewWaiting) Continue();
+  if (waiting_.size() <= kFewWaiting && !drains_) Continue();
   room_.notify_all();
   return next;
 }
 
-bool InputGate::PassIfEmpty(bool skip_handled) {
-  const std::scoped_lock lock(mutex_);
-  if (!waiting_.empty()) {
-    drains_ = std::this_thread::get_id();
-    return false;
+void InputGate::Pass(const std::function<void(Waiting)>& handle, bool skip_handled) {
+  std::unique_lock lock(mutex_);
+  drains_ = std::this_thread::get_id();
+  while (!waiting_.empty()) {
+    lock.unlock();
+    while (auto next = Next()) handle(std::move(*next));
+    lock.lock();
   }
   drains_.reset();
+  Continue();
   if (skip_handled) skipped_ = positions_;
   if (state_ == State::kHolds) state_ = State::kPasses;
   room_.notify_all();
-  return true;
 }
 
 void InputGate::Close() {

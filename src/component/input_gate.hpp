@@ -33,7 +33,7 @@ inline MessageSender SenderOf(const MessageId& id) { return {id.publisher, id.in
 // The messages of one input of a component that can be saved. They pass on to the callback, or wait here while the
 // component moves to another place. Knows how far the callback has come with each publisher.
 //
-// Thread safety: all functions. Next, Handle and PassIfEmpty belong to the thread that moves the component.
+// Thread safety: all functions. Next, Handle and Pass belong to the thread that moves the component.
 class InputGate {
  public:
   struct Waiting {
@@ -56,10 +56,11 @@ class InputGate {
   void Hold(std::function<void()> wake, Full full);
   // The oldest that waits.
   [[nodiscard]] std::optional<Waiting> Next();
-  // Lets messages pass again. False if some still wait; from then on those of other threads wait until these are
-  // handled, but at most 100 ms, because what handles them may wait for such a thread. With `skip_handled`, messages up
-  // to the position of their publisher are dropped: they were handled in another place.
-  bool PassIfEmpty(bool skip_handled = false);
+  // Calls `handle` for those that wait, and lets messages pass again. Meanwhile the subscription brings few more,
+  // because a publisher can be faster than `handle`: they wait in its queue. Without a queue, a thread that brings one
+  // waits, but at most 100 ms, because `handle` may wait for such a thread. With `skip_handled`, messages up to the
+  // position of their publisher are dropped from then on: they were handled in another place.
+  void Pass(const std::function<void(Waiting)>& handle, bool skip_handled);
   // The component ends. If messages wait, they are dropped, and those that come as well.
   void Close();
 
@@ -75,6 +76,8 @@ class InputGate {
   enum class State { kPasses, kHolds, kClosed };
 
   void Note(const MessageInfo& info);
+  // Lets messages wait in the queue of the subscription; in its callback. False: it has none. The lock is held.
+  [[nodiscard]] bool Suspends();
   // Messages come again; the lock is held.
   void Continue();
   // Whether it was handled in another place. Forgets the publisher's position there behind the first that was not.

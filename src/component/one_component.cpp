@@ -151,17 +151,17 @@ std::vector<Error> OneComponent::ConstructAgain(ComponentSetup setup) {
 
 void OneComponent::HandleWaiting() {
   for (const auto& gate : core.gates()) {
-    do {
-      while (const auto waiting = gate->Next()) {
-        try {
-          gate->Handle(*waiting);
-        } catch (const std::exception& error) {
-          core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw: " + error.what());
-        } catch (...) {
-          core.log().Write(LogLevel::kError, "A callback of " + gate->node() + " threw.");
-        }
-      }
-    } while (!gate->PassIfEmpty());
+    gate->Pass([&](const InputGate::Waiting& waiting) { Handle(*gate, waiting); }, false);
+  }
+}
+
+void OneComponent::Handle(InputGate& gate, const InputGate::Waiting& waiting) {
+  try {
+    gate.Handle(waiting);
+  } catch (const std::exception& error) {
+    core.log().Write(LogLevel::kError, "A callback of " + gate.node() + " threw: " + error.what());
+  } catch (...) {
+    core.log().Write(LogLevel::kError, "A callback of " + gate.node() + " threw.");
   }
 }
 

@@ -52,6 +52,8 @@ struct OneComponent {
   [[nodiscard]] std::vector<Error> ConstructAgain(ComponentSetup setup);
   // Messages that wait, on this thread; those that come then pass.
   void HandleWaiting();
+  // Logs what the callback throws.
+  void Handle(InputGate& gate, const InputGate::Waiting& waiting);
 
   // They end in reverse order: the object before what it uses.
   const ComponentType type;

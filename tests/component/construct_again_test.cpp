@@ -50,6 +50,7 @@ class Summing {
  public:
   explicit Summing(Context& context) : context_(context), passed_(context.Advertise<PoseInFrame>("passed")) {
     if (context.Declare("broken", false)) throw std::runtime_error("there is no abacus");
+    slow_ = context.Declare("slow", false);
     const auto depth = static_cast<std::size_t>(context.Declare("depth", 100'000));
     context.FromAny<PoseInFrame>("number", Invoke::kSerial, [this](const PoseInFrame& pose) { Take(pose); },
                                  {.queue = Queue::KeepAll(depth)});
@@ -88,11 +89,13 @@ class Summing {
       return context_.FromAny<PoseInFrame>("more", Invoke::kSerial, [this](const PoseInFrame&) { ++more; });
     }
     sum_ += number;
+    if (slow_) Linger(std::chrono::microseconds(300));
     (void)passed_(std::make_unique<PoseInFrame>(pose));
   }
   Context& context_;
   Publisher<PoseInFrame> passed_;
   std::int64_t sum_ = 0;
+  bool slow_ = false;
 };
 HGROS_COMPONENT(Summing, "test/Summing")
 
@@ -199,6 +202,25 @@ TEST_P(ConstructAgainFlow, NothingIsLostDoubledOrOvertaken) {
 }
 INSTANTIATE_TEST_SUITE_P(Places, ConstructAgainFlow, testing::Bool(),
                          [](const auto& one) { return one.param ? "SameSession" : "OtherSession"; });
+
+TEST_F(ConstructAgainTest, APublisherThatIsFasterThanItsCallbackDoesNotKeepItWaiting) {
+  const auto here = session_.Advertise<PoseInFrame>("number");
+  std::atomic<bool> constructed = false;
+  int last = 0;
+  std::thread publisher([&] {
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (!constructed && std::chrono::steady_clock::now() < end) Publish(here, ++last);
+    constructed = true;
+  });
+  ASSERT_TRUE(Sees(10));
+  components_.ConstructAgain(SummingSetup({{"slow", "true", "test"}}), kCallbacks);
+  EXPECT_FALSE(constructed.exchange(true)) << "It was constructed only when the publisher gave up.";
+  publisher.join();
+  EXPECT_LT(seen().size(), static_cast<std::size_t>(last)) << "The publisher has not been faster.";
+  components_.ConstructAgain(SummingSetup(), kCallbacks);
+  EXPECT_TRUE(Sees(static_cast<std::size_t>(last)));
+  EXPECT_EQ(seen(), NumbersTo(last));
+}
 
 TEST_F(ConstructAgainTest, CallsAreAnsweredBeforeAndAfterwards) {
   Publish(number_, 4);
