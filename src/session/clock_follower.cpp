@@ -20,6 +20,8 @@ constexpr std::int64_t kSilenceNs = 2'000'000'000;
 // A simulation that starts together with the session has published its clock by then.
 constexpr auto kTimeForAClock = std::chrono::seconds(5);
 
+std::string Seconds(Duration time) { return std::to_string(std::chrono::duration<double>(time).count()) + " s"; }
+
 bool IsGood(const SimulatedTime& time) {
   const auto near = [](std::int64_t ns) { return ns > -kFarthest && ns < kFarthest; };
   return near(time.time_ns()) && near(time.jumped_ns()) && time.rate() > 0 && time.rate() <= kFastest;
@@ -80,7 +82,16 @@ void ClockFollower::OnTime(const SimulatedTime& time, const MessageInfo& info) {
 void ClockFollower::Apply(Heard heard) {
   const bool ended = heard.ended;
   if (followed_ && followed_->SameClock(heard)) {
-    clock_->Follow(heard.state);
+    if (heard.state.reading.elapsed() < followed_->state.reading.elapsed()) {
+      log_->WriteLimited(LogLevel::kWarning, "clock back",
+                         "The clock that " + followed_->Name() + " publishes went back by " +
+                             Seconds(followed_->state.reading.elapsed() - heard.state.reading.elapsed()) +
+                             " without saying that it jumped. It is taken as a jump. Let it add its jumps to jumped_ns "
+                             "(docs/wire-protocol.md).");
+      clock_->FollowAnother(heard.state);
+    } else {
+      clock_->Follow(heard.state);
+    }
     followed_ = std::move(heard);
     if (ended) End();
     return;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 namespace hgros {
 namespace {
@@ -10,9 +12,10 @@ namespace {
 class ClockFollowerTest : public testing::Test {
  protected:
   // The message of a paused clock.
-  void Say(std::uint64_t session, std::int64_t shown, bool ended = false) {
+  void Say(std::uint64_t session, std::int64_t shown, bool ended = false, std::int64_t jumped = 0) {
     SimulatedTime time;
     time.set_time_ns(shown);
+    time.set_jumped_ns(jumped);
     time.set_rate(1);
     time.set_paused(true);
     time.set_clock_id(session);
@@ -29,7 +32,8 @@ class ClockFollowerTest : public testing::Test {
   }
 
   const std::shared_ptr<FollowingClock> clock = std::make_shared<FollowingClock>();
-  ClockFollower follower{clock, std::make_shared<Log>([](LogLevel, std::string_view) {})};
+  std::string said;
+  ClockFollower follower{clock, std::make_shared<Log>([this](LogLevel, std::string_view text) { said += text; })};
 };
 
 TEST_F(ClockFollowerTest, LatestMessageOfAReturningSessionCountsOnceItsReturnIsReported) {
@@ -65,6 +69,17 @@ TEST_F(ClockFollowerTest, SessionThatReturnsWhileAnotherIsFollowedBecomesTheRiva
   EXPECT_EQ(clock->Now(), Time{50});
   Say(8, 60, true);
   EXPECT_EQ(clock->Now(), Time{20});
+}
+
+TEST_F(ClockFollowerTest, AClockThatGoesBackWithoutAJumpIsTakenAsOneThatJumps) {
+  Say(7, 9'000'000'000);
+  Say(7, 5'000'000'000, false, -4'000'000'000);
+  EXPECT_EQ(clock->Now(), Time{5'000'000'000});
+  EXPECT_EQ(said, "");
+  Say(7, 2'500'000'000, false, -4'000'000'000);
+  EXPECT_EQ(clock->Now(), Time{2'500'000'000});
+  EXPECT_EQ(clock->Read().elapsed(), Time{0}) << "no time has passed";
+  EXPECT_NE(said.find("went back by 2.500000 s without saying that it jumped"), std::string::npos) << said;
 }
 
 }  // namespace
