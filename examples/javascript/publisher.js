@@ -1,4 +1,4 @@
-// Publishes five greetings, which nobody has to wait for: the channel keeps the newest ones for late subscribers.
+// Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later.
 'use strict';
 
 const hgros = require('hgros');
@@ -6,8 +6,8 @@ const hgros = require('hgros');
 async function main() {
   const session = hgros.open();
   const publisher = session.advertise('greetings', 'foxglove.Log', { latched: 5 });
-  for (let i = 1; i <= 5; ++i) await publisher.publishWait({ message: `Hello ${i}` });
   await session.waitForSubscribers('greetings', 1, { timeout: 60000 });
+  for (let i = 1; i <= 5; ++i) await publisher.publishWait({ message: `Hello ${i}` });
   console.log('published');
   await session.close();
 }

@@ -1,13 +1,13 @@
 <?php
-// Publishes five greetings, which nobody has to wait for: the channel keeps the newest ones for late subscribers.
+// Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later.
 
 use Foxglove\Log;
 use Hgros\Session;
 
 $session = Session::open();
 $publisher = $session->advertise('greetings', Log::class, latched: 5);
+$session->waitForSubscribers('greetings', 1, 60.0);
 for ($i = 1; $i <= 5; ++$i) {
     $publisher->publish(new Log(['message' => "Hello $i"]));
 }
-$session->waitForSubscribers('greetings', 1, 60.0);
 echo "published\n";

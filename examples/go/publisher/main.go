@@ -1,4 +1,4 @@
-// Publishes five greetings, which nobody has to wait for: the channel keeps the newest ones for late subscribers.
+// Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later.
 package main
 
 import (
@@ -24,13 +24,13 @@ func main() {
 	}
 	ctx, cancel := context.WithTimeout(context.Background(), time.Minute)
 	defer cancel()
+	if err := session.WaitForSubscribers(ctx, "greetings", 1); err != nil {
+		log.Fatal(err)
+	}
 	for i := 1; i <= 5; i++ {
 		if err := publisher.PublishWait(ctx, wrapperspb.String(fmt.Sprintf("Hello %d", i))); err != nil {
 			log.Fatal(err)
 		}
-	}
-	if err := session.WaitForSubscribers(ctx, "greetings", 1); err != nil {
-		log.Fatal(err)
 	}
 	fmt.Println("published")
 }
