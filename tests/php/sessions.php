@@ -27,6 +27,48 @@ function ErrorsHaveAStatusAndASentence(): void
     $session->log(LogLevel::Info, 'This is not written.');
 }
 
+function TextsThatCWouldCutAreRefused(): void
+{
+    $cut = "words\0more";
+    $session = Session::open();
+    $params = $session->params();
+    $transforms = $session->transforms();
+    $pose = new Transform([0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
+    $uses = [
+        static fn () => Session::open("{}\0"),
+        static fn () => Session::open('', $cut),
+        static fn () => Session::openFiles([$cut]),
+        static fn () => $session->log(LogLevel::Info, $cut),
+        static fn () => $session->advertise($cut, Log::class),
+        static fn () => $session->subscribe($cut, Log::class),
+        static fn () => $session->subscribe('words', Log::class, name: $cut),
+        static fn () => $session->waitForSubscribers($cut, 1, PATIENCE),
+        static fn () => $session->waitForPublishers($cut, 1, PATIENCE),
+        static fn () => $session->serve($cut, Log::class, Log::class, static fn (Log $request) => $request),
+        static fn () => $session->call($cut, new Log(), Log::class, PATIENCE),
+        static fn () => $session->paramsOf($cut, PATIENCE),
+        static fn () => Schema::named($cut),
+        static fn () => Schema::raw($cut),
+        static fn () => $params->declare($cut, 1),
+        static fn () => $params->declare('a', $cut),
+        static fn () => $params->declare('a', 'b', $cut),
+        static fn () => $params->declare('a', 'b', '', $cut),
+        static fn () => $params->declare('a', 'b', choices: ['b', $cut]),
+        static fn () => $params->set('a', $cut),
+        static fn () => $params->set($cut, 1),
+        static fn () => $params->setYaml('a', $cut),
+        static fn () => $params->yaml($cut),
+        static fn () => $params->remove($cut),
+        static fn () => $transforms->setStatic('map', $cut, $pose),
+        static fn () => $transforms->set($cut, 'base', $pose),
+        static fn () => $transforms->lookup('map', $cut),
+        static fn () => $transforms->wait('map', $cut, 0, PATIENCE),
+    ];
+    foreach ($uses as $use) {
+        expectFailure(Status::InvalidArgument, 'has the character U+0000', $use);
+    }
+}
+
 function HandlesCannotBeCopied(): void
 {
     $session = Session::open();

@@ -66,10 +66,17 @@ final class Library
             : throw new HgrosException(Status::InvalidArgument, "$name is $count, but must not be below zero.");
     }
 
+    /** C would cut a text at U+0000. */
+    public static function uncut(string $text): string
+    {
+        return !str_contains($text, "\0") ? $text : throw new HgrosException(Status::InvalidArgument,
+            'The text "' . str_replace("\0", '\0', $text) . '" has the character U+0000, which no text here may have.');
+    }
+
     /** A text in memory of C, or null for an empty one. */
     public static function text(string $text): ?CData
     {
-        if ($text === '') {
+        if (self::uncut($text) === '') {
             return null;
         }
         $memory = self::c()->new('char[' . strlen($text) + 1 . ']');

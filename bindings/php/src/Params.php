@@ -35,6 +35,9 @@ final class Params extends Handle
     public function declare(string $path, bool|int|float|string|array $fallback, string $description = '',
         string $unit = '', bool $readOnly = false, ?float $least = null, ?float $most = null, array $choices = []): void
     {
+        if (is_string($fallback)) {
+            Library::uncut($fallback);
+        }
         $kind = match (true) {
             is_bool($fallback) => Library::c()->HGROS_PARAM_BOOL,
             is_int($fallback) => Library::c()->HGROS_PARAM_INTEGER,
@@ -48,8 +51,8 @@ final class Params extends Handle
             'has_most' => (int) ($most !== null), 'most' => $most ?? 0.0, 'choice_count' => count($choices)]);
         Library::withTexts($choices, function (?CData $list) use ($path, $kind, $fallback, $info): void {
             $info->choices = $list;
-            Library::check(Library::c()->hgros_params_declare($this->opened(), $path, $kind, self::yamlOf($fallback),
-                FFI::addr($info)));
+            Library::check(Library::c()->hgros_params_declare($this->opened(), Library::uncut($path), $kind,
+                self::yamlOf($fallback), FFI::addr($info)));
         });
     }
 
@@ -83,7 +86,7 @@ final class Params extends Handle
     {
         $place = Library::c()->new($type);
         $function = $kind === '' ? 'hgros_params_get' : "hgros_params_get_$kind";
-        Library::check(Library::c()->$function($this->opened(), $path, FFI::addr($place)));
+        Library::check(Library::c()->$function($this->opened(), Library::uncut($path), FFI::addr($place)));
         return $place;
     }
 
@@ -91,11 +94,12 @@ final class Params extends Handle
     public function set(string $path, bool|int|float|string|array $value): void
     {
         $c = Library::c();
+        Library::uncut($path);
         Library::check(match (true) {
             is_bool($value) => $c->hgros_params_set_bool($this->opened(), $path, (int) $value),
             is_int($value) => $c->hgros_params_set_integer($this->opened(), $path, $value),
             is_float($value) => $c->hgros_params_set_number($this->opened(), $path, $value),
-            is_string($value) => $c->hgros_params_set_text($this->opened(), $path, $value),
+            is_string($value) => $c->hgros_params_set_text($this->opened(), $path, Library::uncut($value)),
             default => $c->hgros_params_set($this->opened(), $path, self::yamlOf($value)),
         });
     }
@@ -103,13 +107,13 @@ final class Params extends Handle
     /** Sets a value as YAML, such as "{x: 1}". */
     public function setYaml(string $path, string $yaml): void
     {
-        Library::check(Library::c()->hgros_params_set($this->opened(), $path, $yaml));
+        Library::check(Library::c()->hgros_params_set($this->opened(), Library::uncut($path), Library::uncut($yaml)));
     }
 
     /** Removes a value; a declared parameter returns to its fallback. */
     public function remove(string $path): void
     {
-        Library::check(Library::c()->hgros_params_remove($this->opened(), $path));
+        Library::check(Library::c()->hgros_params_remove($this->opened(), Library::uncut($path)));
     }
 
     /** Writes what was set at run time into the files of this program. */

@@ -16,7 +16,8 @@ final class RawPublisher extends Handle
     {
         $options = Library::struct('hgros_publish_options', ['latched' => $latched]);
         parent::__construct(Library::create('hgros_publisher', static fn (CData $place): int
-            => Library::c()->hgros_publisher_open($session->c(), $channel, $schema->c(), \FFI::addr($options),
+            => Library::c()->hgros_publisher_open($session->c(), Library::uncut($channel), $schema->c(),
+                \FFI::addr($options),
                 $place)));
         $this->session = $session;
     }

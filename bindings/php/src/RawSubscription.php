@@ -24,7 +24,8 @@ final class RawSubscription extends Handle implements \IteratorAggregate
         $options = Library::struct('hgros_subscribe_options', ['name' => $text, 'schema' => $schema?->c(),
             'keep_last' => $keepLast, 'keep_all' => $keepAll, 'keep_all_bytes' => $keepAllBytes]);
         parent::__construct(Library::create('hgros_subscription', static fn (CData $place): int
-            => Library::c()->hgros_subscribe_queue($session->c(), $channel, FFI::addr($options), $place)));
+            => Library::c()->hgros_subscribe_queue($session->c(), Library::uncut($channel), FFI::addr($options),
+                $place)));
         $this->session = $session;
     }
 

@@ -33,15 +33,15 @@ final class Schema extends Handle
     public static function named(string $typeName): self
     {
         return new self(Library::create('hgros_schema', static fn (CData $place): int
-            => Library::c()->hgros_schema_known($typeName, $place)));
+            => Library::c()->hgros_schema_known(Library::uncut($typeName), $place)));
     }
 
     /** @param string $set A serialized google.protobuf.FileDescriptorSet, imports first; empty: none. */
     public static function create(string $typeName, Encoding $encoding, int $fingerprint, string $set): self
     {
         return new self(Library::create('hgros_schema', static fn (CData $place): int
-            => Library::c()->hgros_schema_create($typeName, $encoding->value, $fingerprint, $set === '' ? null : $set,
-                strlen($set), $place)));
+            => Library::c()->hgros_schema_create(Library::uncut($typeName), $encoding->value, $fingerprint,
+                $set === '' ? null : $set, strlen($set), $place)));
     }
 
     protected function free(CData $handle): void

@@ -25,8 +25,8 @@ final class Service extends Handle
     {
         $options = Library::struct('hgros_serve_options', ['most_waiting' => $mostWaiting]);
         parent::__construct(Library::create('hgros_service', static fn (CData $place): int
-            => Library::c()->hgros_serve_queue($session->c(), $name, Schema::of($request)->c(), Schema::of($reply)->c(),
-                FFI::addr($options), $place)));
+            => Library::c()->hgros_serve_queue($session->c(), Library::uncut($name), Schema::of($request)->c(),
+                Schema::of($reply)->c(), FFI::addr($options), $place)));
         $this->session = $session;
         $this->handler = $handler(...);
     }
@@ -111,7 +111,8 @@ final class Service extends Handle
             $bytes = Protobuf::write($reply);
         } catch (\Throwable $error) {
             ++$this->failed;
-            $status = Library::c()->hgros_reply_fail($place, $error->getMessage() ?: $error::class);
+            $status = Library::c()->hgros_reply_fail($place,
+                str_replace("\0", '\0', $error->getMessage()) ?: $error::class);
         }
         $status ??= Library::c()->hgros_reply_set($place, $bytes, strlen($bytes));
         if ($status !== Status::Closed->value) { // Then the caller has been told that the service has ended.

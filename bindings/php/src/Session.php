@@ -18,7 +18,7 @@ final class Session extends Handle
     public static function open(string $yaml = '', string $name = ''): self
     {
         return self::openWith($name, static fn (CData $options, CData $place): int
-            => Library::c()->hgros_session_open($yaml, $options, $place));
+            => Library::c()->hgros_session_open(Library::uncut($yaml), $options, $place));
     }
 
     /**
@@ -97,7 +97,7 @@ final class Session extends Handle
     /** Writes a line into the session's log, which goes to standard error. */
     public function log(LogLevel $level, string $line): void
     {
-        Library::check(Library::c()->hgros_session_log($this->opened(), $level->value, $line));
+        Library::check(Library::c()->hgros_session_log($this->opened(), $level->value, Library::uncut($line)));
     }
 
     /** Lines below this level are not written from now on. */
@@ -109,15 +109,15 @@ final class Session extends Handle
     /** Waits until a channel that this session publishes has subscribers. */
     public function waitForSubscribers(string $channel, int $count = 1, ?float $timeout = null): void
     {
-        Library::check(Library::c()->hgros_session_wait_for_subscribers($this->opened(), $channel,
-            Library::count($count), Library::nanoseconds($timeout)));
+        Library::check(Library::c()->hgros_session_wait_for_subscribers($this->opened(),
+            Library::uncut($channel), Library::count($count), Library::nanoseconds($timeout)));
     }
 
     /** Waits until other sessions that publish on a channel are connected. */
     public function waitForPublishers(string $channel, int $count = 1, ?float $timeout = null): void
     {
-        Library::check(Library::c()->hgros_session_wait_for_publishers($this->opened(), $channel,
-            Library::count($count), Library::nanoseconds($timeout)));
+        Library::check(Library::c()->hgros_session_wait_for_publishers($this->opened(),
+            Library::uncut($channel), Library::count($count), Library::nanoseconds($timeout)));
     }
 
     /**
@@ -188,8 +188,8 @@ final class Session extends Handle
     {
         $bytes = Protobuf::write($request);
         $message = new Message(Library::create('hgros_message', fn (CData $place): int
-            => Library::c()->hgros_call($this->opened(), $name, Schema::of($request::class)->c(), $bytes,
-                strlen($bytes), Schema::of($reply)->c(), Library::nanoseconds($timeout), $place)));
+            => Library::c()->hgros_call($this->opened(), Library::uncut($name), Schema::of($request::class)->c(),
+                $bytes, strlen($bytes), Schema::of($reply)->c(), Library::nanoseconds($timeout), $place)));
         return $message->read($reply);
     }
 
@@ -205,7 +205,8 @@ final class Session extends Handle
     public function paramsOf(string $name, float $timeout = 5.0): Params
     {
         return new Params($this, Library::create('hgros_params', fn (CData $place): int
-            => Library::c()->hgros_params_of($this->opened(), $name, Library::nanoseconds($timeout), $place)));
+            => Library::c()->hgros_params_of($this->opened(), Library::uncut($name), Library::nanoseconds($timeout),
+                $place)));
     }
 
     /** The session's transforms, which it has once at a time. */

@@ -28,20 +28,22 @@ final class Transforms extends Handle
     /** Sets and sends the pose of a child frame in its parent at the pose's stamp. */
     public function set(string $parent, string $child, Transform $pose): void
     {
-        Library::check(Library::c()->hgros_transforms_set($this->opened(), $parent, $child,
-            FFI::addr(self::toC($pose))));
+        Library::check(Library::c()->hgros_transforms_set($this->opened(), Library::uncut($parent),
+            Library::uncut($child), FFI::addr(self::toC($pose))));
     }
 
     /** The same for a pose that does not move: sessions that join later get it, too. */
     public function setStatic(string $parent, string $child, Transform $pose): void
     {
-        Library::check(Library::c()->hgros_transforms_set_static($this->opened(), $parent, $child,
-            FFI::addr(self::toC($pose))));
+        Library::check(Library::c()->hgros_transforms_set_static($this->opened(), Library::uncut($parent),
+            Library::uncut($child), FFI::addr(self::toC($pose))));
     }
 
     /** The transform from a source frame to a target, at a time in ns, or at the latest that all edges between have. */
     public function lookup(string $target, string $source, ?int $time = null): Transform
     {
+        Library::uncut($target);
+        Library::uncut($source);
         return self::found(fn (CData $found): int => $time === null
             ? Library::c()->hgros_transforms_lookup($this->opened(), $target, $source, $found)
             : Library::c()->hgros_transforms_lookup_at($this->opened(), $target, $source, $time, $found));
@@ -50,8 +52,8 @@ final class Transforms extends Handle
     /** The same at a time in ns, but waits until it is there. TimedOut tells why it is not. */
     public function wait(string $target, string $source, int $time = 0, ?float $timeout = null): Transform
     {
-        return self::found(fn (CData $found): int => Library::c()->hgros_transforms_wait($this->opened(), $target,
-            $source, $time, Library::nanoseconds($timeout), $found));
+        return self::found(fn (CData $found): int => Library::c()->hgros_transforms_wait($this->opened(),
+            Library::uncut($target), Library::uncut($source), $time, Library::nanoseconds($timeout), $found));
     }
 
     private static function toC(Transform $pose): CData
