@@ -435,6 +435,14 @@ class Session:
             finally:
                 self._ready.relax()
 
+    def _spin_beside(self, stops: int) -> None:
+        try:
+            self._spin(stops)
+        except SystemExit:  # Python lets it end this thread alone, without a word.
+            logger.exception('A callback called sys.exit() on the thread of start(), which has ended. Callbacks of '
+                             'session "%s" run again after start() or spin(). To end the program, let the callback tell '
+                             "its main thread.", self.name)
+
     def spin_once(self, timeout: float = 0.0) -> bool:
         """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether any callback ran.
 
@@ -455,7 +463,7 @@ class Session:
         with self._lock:
             if self._thread is not None and self._thread.is_alive():
                 return
-            self._thread = threading.Thread(target=self._spin, args=(self._stops,), name=f"hgros {self.name}",
+            self._thread = threading.Thread(target=self._spin_beside, args=(self._stops,), name=f"hgros {self.name}",
                                             daemon=True)
             self._thread.start()
 
