@@ -3,10 +3,19 @@
 #include <algorithm>
 #include <new>
 #include <numeric>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "hgros/clock/time.hpp"
+
 namespace hgros {
+namespace {
+
+constexpr std::string_view kLibraryPrefix = "hgros/";
+constexpr std::int64_t kFlowsWithinNs = 1'000'000'000;
+
+}  // namespace
 
 // The publishing side, as one transport sees it.
 class JoinedOutbound::Part final : public OutboundSource {
@@ -101,9 +110,11 @@ std::vector<OutboundMessage> JoinedOutbound::First(SessionId subscriber) {
 void JoinedOutbound::GiveUp(SessionId subscriber, const std::string& name, std::optional<std::uint64_t> cut) {
   std::optional<CutSubscribers::Messages> missed;  // Destroyed outside the gate.
   gate_.Through([&] {
+    bool flows = false;
     {
       const std::scoped_lock lock(committing_);
       missed = cut_.Drop(subscriber, cut);
+      flows = last_ns_ > MonotonicNow() - kFlowsWithinNs && !channel_.starts_with(kLibraryPrefix);
     }
     if (!missed) return;
     missed_.fetch_add(missed->size(), std::memory_order_relaxed);
@@ -112,6 +123,10 @@ void JoinedOutbound::GiveUp(SessionId subscriber, const std::string& name, std::
                         "Session " + name + " has gone without confirming " + std::to_string(missed->size()) +
                             " messages of the lossless channel \"" + channel_ +
                             "\". It may miss these, and misses those that are published until it is back.");
+    } else if (flows) {
+      log_.WriteLimited(LogLevel::kWarning, "missed " + channel_,
+                        "Session " + name + " has gone. It misses the messages of the lossless channel \"" + channel_ +
+                            "\" that are published until it is back.");
     }
     TellSubscribers();
     if (refused_.exchange(false)) source_.OnRoom();
@@ -155,6 +170,7 @@ bool JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcep
   bool all = true;
   {
     const std::scoped_lock lock(committing_);
+    last_ns_ = head.publish_monotonic_ns;
     const std::size_t count = count_.load(std::memory_order_acquire);
     for (std::size_t i = 0; i < count; ++i) all = parts_[i]->channel->Commit(head, data) && all;
     if (cut_.count() > 0) {  // Last, for subscribers that are cut off meanwhile.

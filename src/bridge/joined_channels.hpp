@@ -85,6 +85,7 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   Log& log_;
   CutSubscribers cut_;
   std::mutex committing_;             // A cut subscriber does not come back between a message's transports and cut_.
+  std::int64_t last_ns_ = 0;          // When a message was committed last; guarded by committing_.
   std::atomic<bool> refused_{false};  // There was no room for subscribers that are cut off.
   std::atomic<std::uint64_t> missed_{0};
   std::mutex adding_;

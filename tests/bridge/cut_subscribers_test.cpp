@@ -184,6 +184,36 @@ TEST(CutSubscribers, AreNamedOnceWithTheNumberOfMessagesThatTheyMiss) {
   EXPECT_EQ(joined->stats().missed, 2U);
 }
 
+// A publisher of 2,000 messages a second may publish none between the end of a process and the moment when that is
+// seen.
+TEST(CutSubscribers, ThatHaveConfirmedAllAreNamedIfMessagesFlow) {
+  std::vector<std::string> lines;
+  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+  for (const std::string channel : {"hgros/reply", "notes"}) {
+    NoLatched source;
+    OneChannel transport;
+    JoinedOutbound::Abandon give_up;
+    const auto joined = std::make_shared<JoinedOutbound>(
+        channel, TypeOf<Note>(), source, 1,
+        [&](SessionId, JoinedOutbound::Abandon later) { give_up = std::move(later); }, log);
+    joined->Add(transport);
+    OutboundMessage message = Numbered(1);
+    message.head.publish_monotonic_ns = MonotonicNow() - 60'000'000'000;
+    EXPECT_TRUE(joined->Commit(message.head, message.data));
+    ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {}));
+    give_up("1 (eye)");
+    EXPECT_TRUE(lines.empty()) << "nothing may be published: " << lines.front();
+    message.head.publish_monotonic_ns = MonotonicNow();
+    EXPECT_TRUE(joined->Commit(message.head, message.data));
+    ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {}));
+    give_up("1 (eye)");
+  }
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(
+      lines[0].starts_with("Session 1 (eye) has gone. It misses the messages of the lossless channel \"notes\""))
+      << lines[0];
+}
+
 // The bridge holds what it has found in its list until it has called it.
 TEST(CutSubscribers, SourceMayEndWhileTheBridgeStillHoldsItsChannel) {
   Log log([](LogLevel, std::string_view) {});
