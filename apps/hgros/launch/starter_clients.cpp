@@ -96,6 +96,9 @@ void StarterClients::TakeRestart(Client& client, const std::string& name) {
   }
   if (starter_.mover().Moves(name))
     return SendEnd(client, kFailed, "\"" + name + "\" moves at this moment. Try again.");
+  if (!starter_.released()) {
+    return SendEnd(client, kFailed, "The robot still starts. Try again when it runs: `hgros ps` shows it.");
+  }
   client.restarts = unit;
   const auto alone = unit == name ? std::nullopt : starter_.RestartAlone(name);
   client.component = alone ? name : std::string();

@@ -11,6 +11,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <fstream>
 #include <list>
 #include <memory>
 #include <regex>
@@ -125,6 +126,23 @@ TEST(HgrosRobots, RestartsProcessesAndPrograms) {
   EXPECT_THAT(robot.Ask({"ps"}).out, AllOf(ContainsRegex("a +relay/Does +p +[0-9]+  running +1"),
                                            ContainsRegex("sleeps +[0-9]+  running +1")));
   EXPECT_THAT(robot.Ask({"restart", "c"}).err, HasSubstr("no component, process or program \"c\""));
+}
+
+TEST(HgrosRobots, RestartsNothingWhileTheRobotStarts) {
+  const RobotFolder folder(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
+      "processes: {p: {components: [a]}, q: {components: [b], env: {RELAY_DOOR: \"${FOLDER}/door\"}}}\n");
+  CommandRun run(folder.Arguments(), folder.environment());
+  ASSERT_TRUE(
+      test::Await([&] { return RunToEnd({"ps"}, folder.environment()).out.find("starting") != std::string::npos; }));
+  for (const char* name : {"a", "b", "p"}) {
+    EXPECT_THAT(RunToEnd({"restart", name}, folder.environment()).err, HasSubstr("The robot still starts."));
+  }
+  std::ofstream(folder.path("door")) << "open";
+  ASSERT_TRUE(run.Prints("b  I run.")) << run.out();
+  ASSERT_TRUE(test::Await([&] { return RunToEnd({"restart", "a"}, folder.environment()).status == 0; }));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130);
 }
 
 TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {

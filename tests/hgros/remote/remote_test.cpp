@@ -221,14 +221,20 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
       test::Linger(after);
       const bool is_starter =
           victim.space == desk && victim.name == "hgros";  // The command that moves has that name, too.
-      const pid_t process = (is_starter ? FindOn : FindLastOn)(victim.space, victim.name);
-      // None may run just now, such as no ssh.
-      const bool hits = process > 0 && process != listener && kill(process, kills ? SIGKILL : SIGSTOP) == 0;
-      starter_killed = hits && kills && is_starter;
+      starter_killed = kills && is_starter;
+      const int signal = kills ? SIGKILL : SIGSTOP;
+      if (is_starter) robot.run().Signal(signal);
       if (starter_killed) break;
+      const pid_t process = is_starter ? 0 : FindLastOn(victim.space, victim.name);
+      // None may run just now, such as no ssh.
+      const bool hits = is_starter || (process > 0 && process != listener && kill(process, signal) == 0);
       if (hits && !kills) {
         test::Linger(std::chrono::milliseconds(random() % 300));
-        (void)kill(process, SIGCONT);
+        if (is_starter) {
+          robot.run().Signal(SIGCONT);
+        } else {
+          (void)kill(process, SIGCONT);
+        }
       }
       (void)move->Wait();
       ASSERT_TRUE(test::Await([&] { return !robot.Place().empty(); })) << move->err() << robot.run().out();
