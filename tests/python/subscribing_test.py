@@ -158,6 +158,30 @@ class Subscribing(RobotTest):
         with self.assertRaisesRegex(hgros.Error, "spins already"):
             robot.spin()
 
+    def test_what_callbacks_miss_and_raise_is_counted_where_commands_see_it(self):
+        robot = self.session()
+        publisher = robot.advertise("log", Log)
+
+        def slow(message, info):
+            time.sleep(0.02)
+            if message.message == "3":
+                raise RuntimeError("the third")
+
+        with self.assertLogs("hgros", "WARNING") as said:
+            heard = robot.subscribe("log", Log, slow, queue=hgros.KeepLast(4), name="slow")
+            for number in range(10):
+                publisher.publish(Log(message=str(number % 4)))
+            self.spin_until(robot, lambda: heard.run == 4)
+            wait_until(lambda: any("has dropped" in line for line in said.output))
+        node, = robot.snapshot().channel("log").nodes
+        self.assertEqual((heard.received, heard.dropped, heard.run, heard.failed), (10, 6, 4, 1))
+        self.assertEqual((node.received, node.dropped, node.run, node.failed), (10, 6, 4, 1))
+        self.assertGreaterEqual(node.run_time.median_ns, 15_000_000)
+        self.assertGreater(node.queue_wait.max_ns, 20_000_000)
+        dropped = [line for line in said.output if "has dropped" in line]
+        self.assertEqual(len(dropped), 1, said.output)
+        self.assertIn('"slow" on channel "log" has dropped 1 of', dropped[0])
+
     def test_message_that_comes_before_a_spin_waits_for_it(self):
         robot = self.session()
         publisher = robot.advertise("log", Log, latched=1)

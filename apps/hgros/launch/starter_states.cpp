@@ -88,8 +88,7 @@ void Starter::Move(const std::string& component, const std::string& to) {
 }
 
 std::optional<std::uint64_t> Starter::RestartAlone(const std::string& component) {
-  const std::string process = UnitOf(component);
-  const auto unit = std::ranges::find_if(units_, [&](const Unit& one) { return one.setup->name == process; });
+  const auto unit = std::ranges::find(units_, UnitOf(component), [](const Unit& one) { return one.setup->name; });
   if (unit == units_.end() || unit->stage != Stage::kRunning || unit->again || ending_) return std::nullopt;
   unit->ended.erase(component);
   unit->AwaitAlone(component);

@@ -19,7 +19,7 @@ class Times:
 
 @dataclass(frozen=True)
 class NodeSnapshot:
-    """Counters of one node. For a node of Python `run` counts what was put into its inbox: see `Subscription.run`."""
+    """Counters of one node. For a subscription of Python `queued` is without what waits for a callback."""
 
     name: str
     channel: str

@@ -106,13 +106,15 @@ class Subscription(Handler):
             if self._raw is None or (found := reader.next()) is None:
                 return False
             self.run += 1
+            failed = True
             try:
                 callback(*found)
+                failed = False
             except Exception:
                 self.failed += 1
                 logger.exception('A callback of channel "%s" raised an exception.', self.channel)
             finally:
-                _hgros.leave_callback()
+                _hgros.leave_callback(failed)
             if not reader.more:
                 return False
         return True

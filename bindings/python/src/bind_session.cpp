@@ -30,8 +30,7 @@ void BindSubscription(py::module_& module) {
       .def_property_readonly("name", [](const SubscriptionHandle& one) { return one.subscription().name(); })
       .def_property_readonly("received",
                              [](const SubscriptionHandle& one) { return one.subscription().stats().received; })
-      .def_property_readonly(
-          "dropped", [](SubscriptionHandle& one) { return one.subscription().stats().dropped + one.inbox().dropped(); })
+      .def_property_readonly("dropped", [](SubscriptionHandle& one) { return one.subscription().stats().dropped; })
       .def_property_readonly(
           "queued", [](SubscriptionHandle& one) { return one.subscription().stats().queued + one.inbox().queued(); });
 }

@@ -19,7 +19,7 @@ void CountAsMissed(const Arrival& dropped, Arrival& next) {
 void Inbox::SetQueue(const Queue& queue) {
   RefuseInChild();
   std::deque<Arrival> dropped;  // Released after the lock.
-  const std::scoped_lock lock(mutex_);
+  std::unique_lock lock(mutex_);
   queue_ = queue;
   while (!queue.lossless() && arrivals_.size() > queue.depth()) {
     bytes_ -= BytesOf(arrivals_.front());
@@ -27,6 +27,19 @@ void Inbox::SetQueue(const Queue& queue) {
     arrivals_.pop_front();
     ++dropped_;
   }
+  const HandedOver node = node_;
+  lock.unlock();  // The node may log it.
+  for (std::size_t i = 0; i < dropped.size(); ++i) node.CountDropped();
+}
+
+void Inbox::SetNode(const HandedOver& node) {
+  const std::scoped_lock lock(mutex_);
+  node_ = node;
+}
+
+HandedOver Inbox::node() const {
+  const std::scoped_lock lock(mutex_);
+  return node_;
 }
 
 bool Inbox::HasRoomLocked() const noexcept {
@@ -48,8 +61,11 @@ void Inbox::Push(Arrival arrival) {
   }
   bytes_ += BytesOf(arrival);
   arrivals_.push_back(std::move(arrival));
-  if (std::exchange(announced_, true)) return;
-  ready_->Add(key_);
+  if (!std::exchange(announced_, true)) ready_->Add(key_);
+  if (!oldest) return;
+  const HandedOver node = node_;
+  lock.unlock();  // The node may log it.
+  node.CountDropped();
 }
 
 std::vector<Arrival> Inbox::Take(std::size_t most) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arrival.hpp"
+#include "hgros/graph/handed_over.hpp"
 #include "hgros/graph/queue.hpp"
 #include "of_process.hpp"
 #include "ready_list.hpp"
@@ -36,6 +37,9 @@ class Inbox : public OfProcess {
   /// Before this, nothing is dropped and nobody waits: a node tells its queue only when it has been made.
   void SetQueue(const Queue& queue);
   void Push(Arrival arrival);
+  /// The node that fills the inbox, which counts what is dropped.
+  void SetNode(const HandedOver& node);
+  [[nodiscard]] HandedOver node() const;
   /// At most `most`, the oldest first; none if there is none.
   [[nodiscard]] std::vector<Arrival> Take(std::size_t most);
   /// The oldest; empty if there is none. `more` tells whether others wait, for which the list does not get the key.
@@ -63,6 +67,7 @@ class Inbox : public OfProcess {
   std::deque<Arrival> arrivals_;
   std::size_t bytes_ = 0;
   std::optional<Queue> queue_;
+  HandedOver node_;
   std::uint64_t dropped_ = 0;
   bool announced_ = false;  // The list has our key.
   bool closed_ = false;

@@ -51,7 +51,9 @@ bool SessionHandle::closed() const {
 Owned<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel, const std::shared_ptr<Inbox>& inbox,
                                                    const NodeOptions& options) {
   const auto session = Use();
-  const auto put = [inbox](const std::shared_ptr<const RawMessage>& message, const MessageInfo& info) {
+  auto put = [inbox, known = false](const std::shared_ptr<const RawMessage>& message,
+                                          const MessageInfo& info) mutable {
+    if (!std::exchange(known, true)) inbox->SetNode(HandedOver::ByRunningNode());
     inbox->Push(Heard{*message, info, Cause::Here()});
   };
   NodeOptions chosen = options;

@@ -8,6 +8,7 @@
 #include "graph/nodes/callback_scope.hpp"
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/graph/handed_over.hpp"
 #include "hgros/graph/running_node.hpp"
 
 namespace hgros {
@@ -54,15 +55,31 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
     }
   }
   now = MonotonicNow();
+  if (!handed_over_.load(std::memory_order_relaxed)) [[likely]]
+    CountEnded(info, start, now, stats, writers);
+}
+
+void Node::CountEnded(const MessageInfo& info, std::int64_t start, std::int64_t end, NodeStats& stats,
+                      Writers writers) {
   Add(stats.run, std::uint64_t{1}, writers);
   stats.queue_wait.Record(start - info.publish_monotonic_ns, writers);
-  stats.run_time.Record(now - start, writers);
+  stats.run_time.Record(end - start, writers);
   if (info.cause.origin != 0 && info.cause.began_ns != 0) {
     stats.ages.Record(info.cause.origin, start - info.cause.began_ns, writers);
   }
   if (setting_.graph != nullptr && setting_.graph->trace().on()) [[unlikely]] {
-    setting_.graph->trace().AddRun(setting_.channel, setting_.name, info, start, now);
+    setting_.graph->trace().AddRun(setting_.channel, setting_.name, info, start, end);
   }
+}
+
+void Node::CountRun(const MessageInfo& info, std::int64_t start, std::int64_t end, bool failed) noexcept {
+  if (failed) Add(stats_.failed, std::uint64_t{1}, Writers::kMany);
+  CountEnded(info, start, end, stats_, Writers::kMany);
+}
+
+void Node::CountDropped() noexcept {
+  Add(dropped_, std::uint64_t{1}, Writers::kMany);
+  SayDropped();
 }
 
 bool Node::TryDeliverSole(const SoleOffer& sole, AnyMessage& message, MessageInfo& info, std::int64_t& now) noexcept {
@@ -89,7 +106,7 @@ void Node::SayDropped() noexcept {
           std::to_string(now.dropped) + " of " + std::to_string(now.received) +
           " messages: they come faster than its callback handles them, and its queue keeps only the last " +
           std::to_string(now.queue.depth()) +
-          ". To change the queue, use NodeOptions::queue, or in the configuration data_graph: nodes: \"" + now.name +
+          ". Give the subscription another queue, or set it in the configuration: data_graph: nodes: \"" + now.name +
           "\": queue, with {keep_last: N}, {keep_all: N} or latest. Further drops are only counted.");
 }
 
@@ -113,6 +130,24 @@ NodeSnapshot Node::Snapshot() const {
   snapshot.queued = QueuedNow();
   AddStats(snapshot);
   return snapshot;
+}
+
+HandedOver HandedOver::ByRunningNode() {
+  HandedOver over;
+  if (Node* const node = CallbackScope::Innermost()) {
+    node->HandOver();
+    over.node_ = node->weak_from_this();
+  }
+  return over;
+}
+
+void HandedOver::CountDropped() const noexcept {
+  if (const std::shared_ptr<Node> node = node_.lock()) node->CountDropped();
+}
+
+void HandedOver::CountRun(const MessageInfo& info, std::int64_t start_ns, std::int64_t end_ns,
+                          bool failed) const noexcept {
+  if (const std::shared_ptr<Node> node = node_.lock()) node->CountRun(info, start_ns, end_ns, failed);
 }
 
 std::function<void(bool)> SuspenderOfRunningNode() {

@@ -83,6 +83,11 @@ class Node : public std::enable_shared_from_this<Node> {
   // A delivery would have to wake a worker, so the delivering thread should run the node itself: see ReadyNodeSlot.
   [[nodiscard]] virtual bool WouldWakeWorker() const noexcept { return false; }
 
+  // The callback only hands messages to another thread, which counts what becomes of them: see HandedOver.
+  void HandOver() noexcept { handed_over_.store(true, std::memory_order_relaxed); }
+  void CountDropped() noexcept;
+  void CountRun(const MessageInfo& info, std::int64_t start, std::int64_t end, bool failed) noexcept;
+
   // From now on messages may be of another type than the callback takes.
   void ExpectTwoForms() noexcept { two_forms_.store(true, std::memory_order_relaxed); }
   // Messages of another type have ended, and none comes until ExpectTwoForms() is called again.
@@ -130,7 +135,10 @@ class Node : public std::enable_shared_from_this<Node> {
  private:
   NodeSetting setting_;
   CallbackGuard callback_;
+  // Counts a callback with the message that has ended.
+  void CountEnded(const MessageInfo& info, std::int64_t start, std::int64_t end, NodeStats& stats, Writers writers);
   std::atomic<bool> two_forms_{false};
+  std::atomic<bool> handed_over_{false};
   std::atomic<bool> said_dropped_{false};
 
  protected:

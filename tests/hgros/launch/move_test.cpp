@@ -85,21 +85,7 @@ class MovingRobot {
     return Matches(run_.out(), component + R"( +warning: ((?:lost|again) \d.*))");
   }
   // Of its sessions, in the folder where they find each other.
-  [[nodiscard]] std::vector<std::string> FilesLeft() const {
-    const std::string user = std::to_string(geteuid());
-    const std::string domain = folder_.environment().at("HGROS_DOMAIN");
-    std::vector<std::string> left;
-    const char* const runtime = std::getenv("XDG_RUNTIME_DIR");
-    const std::vector<std::string> places{(runtime == nullptr ? "/run/user/" + user : std::string(runtime)) + "/hgros",
-                                          "/tmp/hgros-" + user};
-    for (const std::string& folder : places) {
-      std::error_code none;
-      for (const auto& file : std::filesystem::directory_iterator(folder + "/" + domain, none)) {
-        left.push_back(file.path());
-      }
-    }
-    return left;
-  }
+  [[nodiscard]] std::vector<std::string> FilesLeft() const { return folder_.FilesLeft(); }
   [[nodiscard]] std::string out() const { return run_.out() + run_.err(); }
   [[nodiscard]] bool Prints(const std::string& text) const { return run_.Prints(text); }
   void End() {

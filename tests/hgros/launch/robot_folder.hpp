@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <map>
 #include <regex>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -43,6 +45,21 @@ class RobotFolder {
   }
   [[nodiscard]] CommandEnd Run(const std::vector<std::string>& more = {}) const {
     return RunToEnd(Arguments(more), environment());
+  }
+  /// What sessions of its domain have left where sessions find each other.
+  [[nodiscard]] std::vector<std::string> FilesLeft() const {
+    const std::string user = std::to_string(geteuid());
+    const char* const runtime = std::getenv("XDG_RUNTIME_DIR");
+    const std::vector<std::string> places{(runtime == nullptr ? "/run/user/" + user : std::string(runtime)) + "/hgros",
+                                          "/tmp/hgros-" + user};
+    std::vector<std::string> left;
+    for (const std::string& place : places) {
+      std::error_code none;
+      for (const auto& file : std::filesystem::directory_iterator(place + "/" + folder_.filename().string(), none)) {
+        left.push_back(file.path());
+      }
+    }
+    return left;
   }
 
  private:

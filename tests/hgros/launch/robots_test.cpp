@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -132,13 +133,14 @@ TEST(HgrosRobots, RestartsNothingWhileTheRobotStarts) {
   const RobotFolder folder(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
       "processes: {p: {components: [a]}, q: {components: [b], env: {RELAY_DOOR: \"${FOLDER}/door\"}}}\n");
+  ASSERT_EQ(mkfifo(folder.path("door").c_str(), 0600), 0);
   CommandRun run(folder.Arguments(), folder.environment());
   ASSERT_TRUE(
       test::Await([&] { return RunToEnd({"ps"}, folder.environment()).out.find("starting") != std::string::npos; }));
   for (const char* name : {"a", "b", "p"}) {
     EXPECT_THAT(RunToEnd({"restart", name}, folder.environment()).err, HasSubstr("The robot still starts."));
   }
-  std::ofstream(folder.path("door")) << "open";
+  std::ofstream(folder.path("door")).close();
   ASSERT_TRUE(run.Prints("b  I run.")) << run.out();
   ASSERT_TRUE(test::Await([&] { return RunToEnd({"restart", "a"}, folder.environment()).status == 0; }));
   run.Signal(SIGINT);

@@ -334,6 +334,7 @@ TEST(HgrosRun, KillsWhatDoesNotEnd) {
   EXPECT_EQ(run.Wait(std::chrono::seconds(10)), 128 + SIGTERM);
   EXPECT_THAT(run.out(), HasSubstr("did not end in time, and is killed."));
   for (const pid_t pid : PidsIn(run.out())) EXPECT_FALSE(Runs(pid));
+  EXPECT_THAT(robot.FilesLeft(), testing::IsEmpty());
 }
 
 TEST(HgrosRun, ASecondSignalLeavesNothing) {

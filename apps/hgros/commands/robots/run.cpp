@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -9,7 +10,9 @@
 #include "commands/commands.hpp"
 #include "commands/robots/robot_reading.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/config/config.hpp"
 #include "hgros/placement/robot_file.hpp"
+#include "hgros/session/session.hpp"
 #include "hosting/service_process.hpp"
 #include "launch/detached.hpp"
 #include "launch/host_networks.hpp"
@@ -114,6 +117,15 @@ std::vector<ComponentDescription> RunCommand::Try(const RobotFile& robot, const 
   return std::move(checked.descriptions);
 }
 
+// A session that was killed has left its file. The next session of the domain removes it.
+void RemoveWhatWasLeft() {
+  try {
+    const Session session(Config::Parse("discovery: {lan: false}"), {.name = {}, .log = [](LogLevel, std::string_view) {}});
+    (void)session.Channels();        // It looks for other sessions from here on.
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): others will do it.
+  }
+}
+
 int RunCommand::Run(Surroundings& surroundings) {
   const bool more =
       detach_ || options_.json || options_.verbose || !options_.name.empty() || !only_.empty() || !except_.empty();
@@ -136,13 +148,18 @@ int RunCommand::Run(Surroundings& surroundings) {
     options_.remote = &remote.emplace(whole, RobotFile::Assemble(file_, options), networks, descriptions, catalog);
   }
   if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();
+  const auto run = [&] {
+    const int code = Starter(robot, graph, catalog, surroundings, options_).Run();
+    RemoveWhatWasLeft();
+    return code;
+  };
   if (detach_) {
     return RunDetached(surroundings.pause, [&](const std::function<void()>& on_running) {
       options_.on_running = on_running;
-      return Starter(robot, graph, catalog, surroundings, options_).Run();
+      return run();
     });
   }
-  return Starter(robot, graph, catalog, surroundings, options_).Run();
+  return run();
 }
 
 }  // namespace
