@@ -54,6 +54,7 @@ class Starter {
   [[nodiscard]] const LogLines& lines() const noexcept { return log_.lines(); }
   /// The process or program of that name, or that of the component; empty: there is none.
   [[nodiscard]] std::string UnitOf(const std::string& name) const;
+  [[nodiscard]] bool released() const noexcept { return released_; }  ///< Before, commands start nothing again.
   /// Ends a process or program and starts it again. Returns how often it was started again before.
   std::uint64_t Restart(const std::string& unit);
   /// The same for a component alone. Returns how often it has begun to run; empty: its process does not run.

@@ -96,6 +96,7 @@ void StarterClients::TakeRestart(Client& client, const std::string& name) {
   }
   if (starter_.mover().Moves(name))
     return SendEnd(client, kFailed, "\"" + name + "\" moves at this moment. Try again.");
+  if (!starter_.released()) return SendEnd(client, kFailed, "\"" + name + "\" starts at this moment. Try again.");
   client.restarts = unit;
   const auto alone = unit == name ? std::nullopt : starter_.RestartAlone(name);
   client.component = alone ? name : std::string();
