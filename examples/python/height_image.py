@@ -20,8 +20,8 @@ def main() -> None:
         @robot.subscribe("points", PointCloud, queue=hgros.KeepLast(1))
         def on_cloud(cloud: PointCloud, info: hgros.MessageInfo) -> None:
             points = hgros.points(cloud)  # No copy: the memory where the cloud arrived.
-            column = (points["x"] / cell).astype(int)
-            row = (points["y"] / cell).astype(int)
+            column = (points["x"] / cell + 1e-3).astype(int)  # A little more: some points are on the edges of pixels.
+            row = (points["y"] / cell + 1e-3).astype(int)
             row, column = row - row.min(), column - column.min()
             height = np.full((row.max() + 1, column.max() + 1), -np.inf)
             np.maximum.at(height, (row, column), points["z"])

@@ -92,6 +92,13 @@ TEST(HgrosPub, SaysThatNobodySubscribes) {
   EXPECT_THAT(untyped.err, HasSubstr("The type of wish is not known, because no session uses it. Name it with --type"));
 }
 
+TEST(HgrosPub, OffersNoChannelForItself) {
+  RobotForCommands robot;
+  const auto subscription = robot.session().FromAnyRaw("wish", Invoke::kSerial, [](const RawMessage&) {});
+  EXPECT_THAT(robot.Run({"pub", "wish", "{message: a}"}).err,
+              HasSubstr("because its subscribers take any type. Name it with --type"));
+}
+
 TEST(HgrosPub, NamesTheNearestChannelFieldAndType) {
   RobotForCommands robot;
   const Heard heard(robot.session(), "wish");

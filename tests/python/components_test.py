@@ -19,6 +19,7 @@ HGROS = os.environ["HGROS_COMMAND"]
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "python.md"
 
 PARTS = """
+import threading
 import time
 
 import hgros
@@ -113,9 +114,29 @@ class Ends:
         getattr(self.context, self.how)("as told")
 
 
+class Late:
+    # Its log is used after its end, and with a line that cannot be written.
+    def __init__(self, context):
+        context.log.warning("%d", "no number")
+        threading.Thread(target=self.watch, args=(context,), daemon=True).start()
+
+    def watch(self, context):
+        try:
+            while context.now_ns:
+                time.sleep(0.002)
+        except hgros.Error:
+            context.log.warning("after\\x1b[31m\\nthe end")
+            print("It goes on.")
+
+
+class Slow:
+    def __init__(self, context):
+        time.sleep(1)
+
+
 class Broken:
     def __init__(self, context):
-        raise ValueError("no such port")
+        raise ValueError("no such port\\x1b[31m")
 
 
 class Vague:
@@ -136,8 +157,8 @@ class Components(RobotTest):
         self.folder = pathlib.Path(self.opened.enter_context(tempfile.TemporaryDirectory()))
         (self.folder / "parts.py").write_text(PARTS)
 
-    def hgros(self, *arguments):
-        return subprocess.run([HGROS, *arguments], cwd=self.folder, text=True, capture_output=True, timeout=60)
+    def hgros(self, *arguments, env=None):
+        return subprocess.run([HGROS, *arguments], env=env, cwd=self.folder, text=True, capture_output=True, timeout=60)
 
     def robot(self, text):
         """Starts a robot, whose log is in the file `log`."""
@@ -184,18 +205,54 @@ class Components(RobotTest):
         (self.folder / "bad.py").write_text("\n\nimport no_such_module\n")
         (self.folder / "syntax.py").write_text("class :\n")
         for name, expected in {
-            "parts:Broken": f"ValueError: no such port ({self.folder}/parts.py:",
+            "parts:Broken": f"ValueError: no such port\\x1b[31m ({self.folder}/parts.py:",
             "parts:Brokn": 'Did you mean "Broken"?',
             "no_such_part:Any": 'Python has no module "no_such_part"',
             "bad:Any": f"No module named 'no_such_module' ({self.folder}/bad.py:3)",
             "syntax:Any": "SyntaxError",
+            ":X": 'There is no component type ":X". Write a module, a colon and the name of a class in it',
+            "parts:": 'There is no component type "parts:". Write a module',
+            ".parts:Sum": 'There is no component type ".parts:Sum". Write a module',
             "parts:Vague": "does not say what `save` returns",
         }.items():
             with self.subTest(name):
                 shown = self.hgros("components", name)
                 self.assertEqual(shown.returncode, 1)
                 self.assertIn(expected, shown.stderr)
+                self.assertNotIn("\x1b", shown.stderr)
+                self.assertNotIn("importlib", shown.stderr)
         self.assertRegex(self.hgros("components", "parts:Broken").stderr, r'parts\.py", line \d+, in __init__')
+
+    def test_virtual_environment_of_another_version_is_refused(self):
+        environment = self.folder / "place"
+        environment.mkdir()
+        for line, expected in (("version_info = 3.12.1.final.0", f"The virtual environment {environment} has Python 3.12.1.final.0"),
+                               ("version = 3.8.18", "has Python 3.8.18, and components run in Python 3.11."),
+                               ("version = 3.11.2", None)):
+            with self.subTest(line):
+                (environment / "pyvenv.cfg").write_text(f"home = /usr/bin\ninclude-system-site-packages = true\n{line}\n")
+                shown = self.hgros("components", "parts:Sum", env=os.environ | {"VIRTUAL_ENV": str(environment)})
+                self.assertEqual(shown.returncode, 0 if expected is None else 1, shown.stderr)
+                if expected is not None:
+                    self.assertIn(expected, shown.stderr)
+                    self.assertIn(f"-m venv --system-site-packages {environment}, or start the robot without VIRTUAL_ENV.",
+                                  shown.stderr)
+
+    def test_log_of_a_component_that_has_ended_goes_to_the_output_of_its_process(self):
+        robot = self.robot("components:\n  late: {type: parts:Late}\n")
+        wait_until(lambda: "COMPONENT" in self.log() and "TypeError" in self.log(), "the line that cannot be written")
+        wait_until(lambda: self.hgros("restart", "late").returncode == 0, "the restart")
+        wait_until(lambda: re.search(r"main +It goes on", self.log()), "the thread")
+        self.assertRegex(self.log(), r"main +late: after\\x1b\[31m\n")
+        robot.send_signal(signal.SIGINT)
+        self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
+
+    def test_restart_while_the_robot_starts_is_refused(self):
+        self.robot("components:\n  slow: {type: parts:Slow}\n")
+        answers = []
+        wait_until(lambda: answers.append(self.hgros("restart", "slow")) or "No robot" not in answers[-1].stderr, "the robot")
+        self.assertIn('The robot still starts. Try again', answers[-1].stderr)
+        wait_until(lambda: self.hgros("restart", "slow").returncode == 0, "the restart")
 
     def test_a_move_loses_no_message(self):
         sums = self.sums()

@@ -3,6 +3,7 @@ import pathlib
 import signal
 import subprocess
 import sys
+import unittest.mock
 
 from support import DEADLINE_S, RobotTest, main
 
@@ -30,6 +31,14 @@ class Examples(RobotTest):
             program.send_signal(signal.SIGINT)
             out, err, code = self.finish(program)
             self.assertEqual((out, err, code), ("", "", 0))
+
+    def test_image_has_no_gaps_where_points_are_on_the_edges_of_pixels(self):
+        images = self.session().messages("height", timeout=DEADLINE_S)
+        with unittest.mock.patch.dict(os.environ, HGROS_PARAM_cell="0.05"):
+            self.example("lidar.py")
+            self.example("height_image.py")
+        pixels = hgros.image(next(images))
+        self.assertEqual((pixels.shape, pixels.min()), ((200, 200), 55))
 
     def test_first_example_of_the_page_works_as_typed(self):
         code = (ROOT / "docs" / "python.md").read_text().split("```python\n")[1].split("```")[0]

@@ -133,7 +133,7 @@ ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeF
   const std::string shown = service.empty() ? channel : "The service " + std::string(service);
   if (known.type_name.empty()) {
     if (!given.empty()) return TypeFrom(SchemaFor(finder.Require(given)));
-    const std::string nearest = NearestChannel(robot, channel);
+    const std::string nearest = known.subscribers.empty() ? NearestChannel(robot, channel) : std::string();
     options.GiveUp("The type of " + shown + " is not known, because " +
                    (known.subscribers.empty() ? "no session uses it. " : "its subscribers take any type. ") +
                    (nearest.empty() ? "Name it with --type, such as --type foxglove.Log."

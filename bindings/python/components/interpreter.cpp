@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -21,6 +23,12 @@ namespace hgros::python {
 namespace {
 
 using std::filesystem::path;
+
+// The folder of the virtual environment; empty without one.
+std::string Environment() {
+  const char* folder = std::getenv("VIRTUAL_ENV");
+  return folder != nullptr ? folder : "";
+}
 
 path ThisLibrary() {
   Dl_info info{};
@@ -36,15 +44,40 @@ path PackageFolder() {
 
 // The one of the virtual environment, or else the one for which the package was built.
 std::string Program() {
-  const char* environment = std::getenv("VIRTUAL_ENV");
-  if (environment != nullptr && *environment != '\0') return std::string(environment) + "/bin/python3";
-  return HGROS_PYTHON_PROGRAM;
+  const std::string environment = Environment();
+  return environment.empty() ? HGROS_PYTHON_PROGRAM : environment + "/bin/python3";
+}
+
+// What mends a Python that cannot be used.
+std::string Remedy() {
+  const std::string environment = Environment();
+  if (environment.empty()) return "Install python3-protobuf, and use the Python for which hgros was built.";
+  return "Make the virtual environment by " HGROS_PYTHON_PROGRAM " -m venv --system-site-packages " + environment +
+         ", or start the robot without VIRTUAL_ENV.";
 }
 
 void Require(const PyStatus& status) {
   if (PyStatus_Exception(status) == 0) return;
   throw Error("Python cannot be started: " +
               std::string(status.err_msg != nullptr ? status.err_msg : "its configuration cannot be used") + ".");
+}
+
+// Throws Error if the virtual environment is one of another version: this library belongs to one version of Python.
+void RequireVersionOfEnvironment() {
+  const std::string ours = std::to_string(PY_MAJOR_VERSION) + '.' + std::to_string(PY_MINOR_VERSION);
+  std::ifstream file(path(Environment()) / "pyvenv.cfg");
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string key;
+    std::string equals;
+    std::string version;
+    words >> key >> equals >> version;
+    if (version.empty() || (key != "version" && key != "version_info")) continue;
+    if (version == ours || version.starts_with(ours + '.')) return;
+    throw Error("The virtual environment " + Environment() + " has Python " + version +
+                    ", and components run in Python " + ours + ".",
+                {}, Remedy());
+  }
 }
 
 [[noreturn]] void ThrowRaised() {
@@ -54,9 +87,9 @@ void Require(const PyStatus& status) {
   PyErr_Fetch(&type, &value, &trace);
   PyObject* text = value != nullptr ? PyObject_Str(value) : nullptr;
   const char* letters = text != nullptr ? PyUnicode_AsUTF8(text) : nullptr;
-  throw Error(
-      "The package hgros of Python cannot be used: " + std::string(letters != nullptr ? letters : "unknown") + ".", {},
-      "Install python3-protobuf, and use the Python for which hgros was built.");
+  std::string reason = letters != nullptr ? letters : "unknown";
+  if (!reason.ends_with('.')) reason += '.';
+  throw Error("The package hgros of Python cannot be used: " + reason, {}, Remedy());
 }
 
 // Where Python looks for modules.
@@ -74,6 +107,7 @@ void Initialize() {
     throw Error("This program runs Python already, and components in Python need an interpreter of their own.", {},
                 "Start them in a process of their own, by hgros run.");
   }
+  if (!Environment().empty()) RequireVersionOfEnvironment();
   // Modules in C find the interpreter's functions only if they are visible to all, and so is what this library needs.
   if (dlopen(ThisLibrary().c_str(), RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD) == nullptr) {
     throw Error("The library " + ThisLibrary().string() + " cannot be loaded again: " + dlerror() + ".");

@@ -13,6 +13,7 @@
         robot.spin()
 """
 
+from . import requirements  # First: it says why the next line may fail.
 from ._hgros import MessageInfo
 from .bulk import data, image, message, points
 from .component import Client, Context

@@ -177,7 +177,14 @@ class LoanedMessage(Generic[M]):
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name == self._publisher.bulk_field.name:
-            memoryview(self._loan)[:] = value
+            whole = memoryview(self._loan)
+            given = memoryview(value)
+            if given.format in ("Zf", "Zd"):
+                raise Error(f"What is written into {name} of the loan has complex numbers. Give its real part.")
+            if given.nbytes != len(whole):
+                raise Error(f"The loan has {len(whole)} bytes, and what is written into its {name} has {given.nbytes}. Give "
+                            "the loan its size.")
+            whole[:] = given.tobytes()
         else:
             setattr(self._head, name, value)
 
@@ -190,6 +197,14 @@ def message(received: Any) -> Any:
     if type(received) is not BulkMessage:
         return received
     return _parse(received._type, received._wire)
+
+
+def _check_type(given: Any, type_name: str) -> None:
+    """Raises TypeError if it is no such message."""
+    of = getattr(given._head if type(given) is LoanedMessage else given, "DESCRIPTOR", None)
+    if of is None or of.full_name != type_name or isinstance(given, type):
+        name = type(given).__name__ if of is None else of.full_name
+        raise TypeError(f"This is for messages of {type_name}, not {name}.")
 
 
 def data(bulk: Any) -> memoryview:
@@ -220,6 +235,7 @@ def points(cloud: Any) -> np.ndarray[Any, Any]:
     """
     import numpy as np
 
+    _check_type(cloud, "foxglove.PointCloud")
     described = cloud._head if type(cloud) is BulkMessage else cloud  # Without copies.
     stride = described.point_stride
     names: list[str] = []
@@ -262,6 +278,7 @@ def image(raw: Any) -> np.ndarray[Any, Any]:
     """
     import numpy as np
 
+    _check_type(raw, "foxglove.RawImage")
     if raw.encoding not in _ENCODINGS:
         raise Error(f'The encoding "{raw.encoding}" of the image is unknown. Known are {", ".join(_ENCODINGS)}.')
     format_, samples = _ENCODINGS[raw.encoding]

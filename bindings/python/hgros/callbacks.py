@@ -6,6 +6,8 @@ import abc
 import inspect
 from typing import Any, Callable, Protocol
 
+from .readable import readable
+
 
 class _Ends(Protocol):
     def end(self) -> None: ...
@@ -42,6 +44,7 @@ class Handler(abc.ABC):
 
 def check_callback(callback: Any, arguments: int, owner: str) -> None:
     """Raises TypeError if it cannot be called with so many arguments, or if it is a coroutine function."""
+    owner = readable(owner)
     if not callable(callback):
         raise TypeError(f"The callback of {owner} cannot be called: {callback!r}.")
     if inspect.iscoroutinefunction(callback) or inspect.iscoroutinefunction(getattr(callback, "__call__", None)):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import logging
+import sys
 import threading
 from typing import Any, Callable, Generic, TypeVar, overload
 
 from google.protobuf.message import DecodeError, Message
 
 from . import _hgros
+from .arguments import check_name, check_queue, check_request, check_seconds
 from .bulk import LoanedMessage
 from .callbacks import Handler, check_callback
 from .errors import Error
@@ -16,6 +18,7 @@ from .message_types import Decode, decoder, schema_of
 from .parameters import Parameters
 from .publisher import Publisher
 from .queues import KeepAll, KeepLast, Queue
+from .readable import readable
 from .services import Call
 from .timers import Tick, period_ns
 from .transforms import Transforms
@@ -42,6 +45,8 @@ class Client(Generic[Request, Reply]):
 
     def call(self, request: Request, *, timeout: float = 1.0) -> Call[Reply]:
         """Calls the service: `client.call(...).result()`. Errors are raised as CallError by result()."""
+        check_request(request, self._name)
+        check_seconds(timeout, "timeout")
         data = request.SerializeToString()
         return Call(lambda inbox: self._raw.call(data, timeout, inbox), self._name, self._reply_type,
                     self._context._waits_for_itself(self._name))
@@ -53,8 +58,15 @@ class _LogHandler(logging.Handler):
         self._raw = raw
 
     def emit(self, record: logging.LogRecord) -> None:
-        for line in self.format(record).splitlines():
-            self._raw.log(_LEVELS.get(record.levelno, 3), line)
+        try:
+            lines = self.format(record).splitlines()
+            try:
+                for line in lines:
+                    self._raw.log(_LEVELS.get(record.levelno, 3), line)
+            except Error:  # The component has ended, or this is a forked child. The process still has its output.
+                print(*(f"{record.name}: {readable(line)}" for line in lines), sep="\n", file=sys.stderr, flush=True)
+        except Exception:
+            self.handleError(record)
 
 
 class Context:
@@ -84,6 +96,7 @@ class Context:
 
     def advertise(self, channel: str, message_type: type[M], *, latched: int = 0) -> Publisher[M]:
         """As `Session.advertise`. Call it in the constructor, so that the robot's channels are known before it runs."""
+        check_name(channel, "channel")
         return Publisher(self._raw.advertise(channel, schema_of(message_type), int(latched)), channel, message_type)
 
     def loan(self, channel: str, message_type: type[M], size: int, timeout: float | None = None) -> LoanedMessage[M]:
@@ -111,6 +124,8 @@ class Context:
         Without a type, the type comes with the channel. `name` is that of the node within the component; without one, it
         has the name of the channel. An exception of the callback is logged and counted.
         """
+        check_name(channel, "channel")
+        check_queue(queue)
         if callback is None:
             def decorate(function: Callback) -> Callback:
                 self._subscribe(channel, message_type, function, queue, name)

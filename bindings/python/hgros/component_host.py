@@ -18,6 +18,7 @@ from .callbacks import Handler
 from .component import Context
 from .errors import Error
 from .message_types import schema_of
+from .readable import readable
 
 _WORK = 0  # The key of the inbox with work; those of a component's parameters come after it.
 
@@ -48,14 +49,16 @@ def serve(ready: _hgros.ReadyList, inbox: _hgros.Inbox) -> NoReturn:
 
 def _in_program(trace: types.TracebackType | None) -> types.TracebackType | None:
     """The traceback from the first function that does not belong to this package."""
-    while trace is not None and trace.tb_frame.f_globals.get("__package__") == __package__:
+    while trace is not None and (trace.tb_frame.f_globals.get("__package__") in (__package__, "importlib")
+                                 or trace.tb_frame.f_code.co_filename.startswith("<frozen importlib")):
         trace = trace.tb_next
     return trace
 
 
 def _lines(fault: BaseException) -> list[str]:
     trace = _in_program(fault.__traceback__)
-    return "".join(traceback.format_exception(type(fault), fault, trace)).splitlines()
+    text = "".join(traceback.format_exception(type(fault), fault, trace))
+    return [readable(line) for line in text.splitlines()]
 
 
 def describe(fault: BaseException) -> str:
@@ -75,6 +78,9 @@ def describe(fault: BaseException) -> str:
 
 def _load(name: str) -> type[Any]:
     module_name, _, class_name = name.partition(":")
+    if not all([*module_name.split("."), class_name]):
+        raise _NoType(f'There is no component type "{name}". Write a module, a colon and the name of a class in it, such '
+                      'as "tracker:Tracker".')
     try:
         module: Any = importlib.import_module(module_name)
     except ModuleNotFoundError as fault:

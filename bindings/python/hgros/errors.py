@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 from ._hgros import ConfigError, Error, TypeMismatch
+from .readable import readable
 
 __all__ = ["ConfigError", "Error", "PublishError", "QueueFull", "SessionClosed", "TypeMismatch"]
+
+
+def _shown(fault: Error) -> str:
+    return readable(RuntimeError.__str__(fault))
+
+
+setattr(Error, "__str__", _shown)  # Names and texts of others may be in it.
 
 
 class PublishError(Error):

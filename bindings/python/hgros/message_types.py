@@ -39,7 +39,7 @@ _schemas: dict[type[Message], _hgros.Schema] = {}
 
 def schema_of(message_type: type[Message]) -> _hgros.Schema:
     """The schema with which other sessions know a class that protoc generated."""
-    known = _schemas.get(message_type)
+    known = _schemas.get(message_type) if isinstance(message_type, type) else None
     if known is None:
         known = _schemas[message_type] = _describe(message_type)
     return known
@@ -47,6 +47,9 @@ def schema_of(message_type: type[Message]) -> _hgros.Schema:
 
 def _describe(message_type: type[Message]) -> _hgros.Schema:
     descriptor = getattr(message_type, "DESCRIPTOR", None)
+    if not isinstance(message_type, type) and isinstance(descriptor, Descriptor):
+        raise TypeError(f"The type of the messages is a class, not a message. Give {type(message_type).__name__} "
+                        "without brackets.")
     if not isinstance(descriptor, Descriptor):
         raise TypeError(f"{message_type!r} is not a class of messages. Give one that protoc generated, such as "
                         "foxglove.LaserScan_pb2.LaserScan.")

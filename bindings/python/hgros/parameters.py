@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Protocol, Sequence, TypeVar
 
 from . import _hgros
+from .arguments import check_name
 from .callbacks import Handler, check_callback
 from .errors import Error
 from .log_relay import logger
@@ -93,6 +94,7 @@ class Parameters:
 
     def on_change(self, path: str = "") -> Callable[[AnyChanged], AnyChanged]:
         """A decorator: calls `callback(paths)` after changes at, below or above `path`, as callbacks run."""
+        check_name(path, "parameter")
 
         def decorate(callback: AnyChanged) -> AnyChanged:
             check_callback(callback, 1, f'parameter "{path}"')

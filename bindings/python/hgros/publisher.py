@@ -7,6 +7,7 @@ from typing import Any, Generic, TypeVar
 from google.protobuf.message import Message
 
 from . import _hgros
+from .arguments import check_seconds, check_size
 from .bulk import LoanedMessage
 from .errors import Error, raise_unless_ok
 from .message_types import bulk_field
@@ -31,16 +32,19 @@ class Publisher(Generic[M]):
         Raises QueueFull if there is none, and PublishError if the message cannot be published for another reason.
         Nobody has got it then.
         """
+        if timeout is not None:
+            check_seconds(timeout, "timeout")
+        received: Any = message
         if type(message) is self.message_type:
             status = self._publish(message.SerializeToString(), timeout)
         elif isinstance(message, self.message_type):
-            received: Any = message  # A BulkMessage, whose bytes are published as they are.
-            wire = received._wire
+            wire = received._wire  # A BulkMessage, whose bytes are published as they are.
             status = (self._raw.publish_wire(wire, timeout) if type(wire) is _hgros.Wire else
                       self._publish(wire, timeout))
         else:
+            given = f"the class {received.__name__}" if isinstance(received, type) else type(message).__name__
             raise TypeError(f'Channel "{self.channel}" carries {self.message_type.DESCRIPTOR.full_name}, '
-                            f"not {type(message).__name__}.")
+                            f"not {given}.")
         if status:
             raise_unless_ok(status, self.channel)
 
@@ -54,7 +58,7 @@ class Publisher(Generic[M]):
         if self.bulk_field is None:
             raise Error(f"{self.message_type.DESCRIPTOR.full_name} has no field for a loan: that is the only `bytes` "
                         "field of a message. Publish an ordinary message.")
-        return LoanedMessage(self, size, timeout)
+        return LoanedMessage(self, check_size(size), timeout)
 
     def __repr__(self) -> str:
         return f"Publisher({self.channel!r}, {self.message_type.DESCRIPTOR.full_name})"

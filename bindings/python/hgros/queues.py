@@ -12,8 +12,8 @@ class KeepLast:
     depth: int = 16
 
     def __post_init__(self) -> None:
-        if self.depth < 1:
-            raise ValueError(f"KeepLast needs room for at least one message, not {self.depth}.")
+        if not isinstance(self.depth, int) or self.depth < 1:
+            raise ValueError(f"KeepLast needs room for at least one message, not {self.depth!r}.")
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,9 @@ class KeepAll:
     limit_bytes: int | None = None
 
     def __post_init__(self) -> None:
-        if self.depth < 1 or (self.limit_bytes is not None and self.limit_bytes < 1):
-            raise ValueError("KeepAll needs room for at least one message and one byte.")
+        for limit in (self.depth, 1 if self.limit_bytes is None else self.limit_bytes):
+            if not isinstance(limit, int) or limit < 1:
+                raise ValueError(f"KeepAll needs room for at least one message and one byte, not {limit!r}.")
 
 
 Queue = KeepLast | KeepAll

@@ -16,6 +16,7 @@ from typing import Any, Callable, Iterable, TypeVar, overload
 from google.protobuf.message import Message
 
 from . import _hgros
+from .arguments import check_name, check_queue, check_request, check_seconds
 from .bulk import LoanedMessage
 from .callbacks import Handler, check_callback
 from .errors import Error
@@ -24,6 +25,7 @@ from .message_types import schema_of
 from .parameters import Parameters
 from .publisher import Publisher
 from .queues import KeepAll, KeepLast, Queue
+from .readable import readable
 from .services import Call, Service
 from .snapshot import KnownChannel, SessionSnapshot, snapshot_of
 from .stream import Messages
@@ -201,6 +203,7 @@ class Session:
 
         Raises TypeMismatch if the channel has another type in this session.
         """
+        check_name(channel, "channel")
         raw = self._use().advertise(channel, schema_of(message_type), int(latched))
         return Publisher(raw, channel, message_type)
 
@@ -221,6 +224,8 @@ class Session:
 
     @staticmethod
     def _wait_in_slices(wait: Callable[[str, int, float], bool], channel: str, count: int, timeout: float) -> bool:
+        check_name(channel, "channel")
+        check_seconds(timeout, "timeout")
         # No signal ends the library's wait. Between two parts of it Python handles signals.
         part = 0.05
         while timeout > part:
@@ -248,10 +253,12 @@ class Session:
         the subscription. An exception of the callback is logged with its traceback and counted; the next message is
         handled.
         """
+        check_name(channel, "channel")
+        check_queue(queue)
         if message_type is not None:
             if not isinstance(message_type, type) and callable(message_type):
                 raise TypeError(f'The second argument is the type of the messages. Without one, write '
-                                f'robot.subscribe("{channel}", callback=...).')
+                                f'robot.subscribe("{readable(channel)}", callback=...).')
             schema_of(message_type)  # A wrong type is an error here, and not when the function is decorated.
         if callback is None:
             def decorate(function: Callback) -> Callback:
@@ -317,6 +324,10 @@ class Session:
 
         The loop ends when no message comes for `timeout` seconds. It needs no `spin`, and calls no callbacks.
         """
+        check_name(channel, "channel")
+        check_queue(queue)
+        if timeout is not None:
+            check_seconds(timeout, "timeout")
         ready = _hgros.ReadyList()
         inbox = _hgros.Inbox(ready, 0)
         raw = self._open(channel, message_type, inbox, queue, name)
@@ -336,6 +347,9 @@ class Session:
 
         Without a type of the reply, it is that of the server. Errors are raised as CallError by result() and await.
         """
+        check_name(name, "service")
+        check_request(request, name)
+        check_seconds(timeout, "timeout")
         deadlocks = name in self._serving and self._spinner == threading.get_ident()
         native, schema, data = self._use(), schema_of(type(request)), request.SerializeToString()
         reply = None if reply_type is None else schema_of(reply_type)
@@ -353,6 +367,7 @@ class Session:
 
         If the handler raises an exception, that is logged, and the caller gets it as CallError "handler failed".
         """
+        check_name(name, "service")
         if handler is None:
             def decorate(function: Any) -> Any:
                 self.serve(name, request_type, reply_type, function)
@@ -387,6 +402,7 @@ class Session:
 
         Turns that come while callbacks run are skipped and counted in `Tick.missed`.
         """
+        period_ns(period)  # A wrong one is an error here, and not when the function is decorated.
         if callback is None:
             def decorate(function: Turn) -> Turn:
                 self.timer(period, function, name=name)
@@ -412,6 +428,7 @@ class Session:
 
     def sleep(self, seconds: float) -> None:
         """Sleeps on the session's clock. Raises Error if the session is closed meanwhile."""
+        check_seconds(seconds, "sleep")
         if seconds > 0:
             rate = self.rate(seconds)
             try:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 from . import _hgros
+from .arguments import check_seconds
 from .callbacks import Handler
 from .errors import Error
 from .log_relay import logger
@@ -22,6 +23,7 @@ class Tick:
 
 def period_ns(period: float) -> int:
     """A period in seconds as nanoseconds."""
+    check_seconds(period, "period")
     if not 1e-9 <= period < 1e9:
         raise ValueError(f"A period must be above 0 s and below 1e9 s, not {period}.")
     return round(period * 1e9)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _hgros
+from .arguments import check_seconds
 from .errors import Error
 
 if TYPE_CHECKING:
@@ -34,6 +35,22 @@ def _ns(stamp: Any) -> int | None:
     return nanoseconds
 
 
+def _fault(matrix: npt.NDArray[np.float64]) -> str:
+    """Why it is no rotation and translation; empty if it is one."""
+    import numpy as np
+
+    if matrix.shape != (4, 4):
+        return f"its shape is {matrix.shape}"
+    if not np.all(np.isfinite(matrix)):
+        return f"not all its numbers are finite: {matrix.tolist()}"
+    if not np.allclose(matrix[3], (0, 0, 0, 1), atol=1e-9):
+        return f"its last row is {matrix[3].tolist()}, not [0, 0, 0, 1]"
+    turn = matrix[:3, :3]
+    if not np.allclose(turn @ turn.T, np.eye(3), atol=1e-3) or np.linalg.det(turn) <= 0:
+        return f"its upper left 3x3 is no rotation: {turn.tolist()}"
+    return ""
+
+
 class Transforms:
     """The transforms of all sessions; `Session.transforms`. The first use subscribes to them.
 
@@ -56,6 +73,7 @@ class Transforms:
         """The same, and the time in ns at which it holds; 0 if all edges on the way are static."""
         import numpy as np
 
+        check_seconds(timeout, "timeout")
         rows, at, fault, text = self._raw.lookup(target, source, _ns(stamp), timeout)
         if rows is None:
             raise TransformError(fault, text)
@@ -74,14 +92,16 @@ class Transforms:
     def _send(self, parent: str, child: str, transform: npt.ArrayLike, stamp_ns: int | None) -> None:
         import numpy as np
 
-        matrix = np.asarray(transform, np.float64)
-        rigid = (matrix.shape == (4, 4) and bool(np.all(np.isfinite(matrix)))
-                 and np.allclose(matrix[3], (0, 0, 0, 1), atol=1e-9)
-                 and np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=1e-3)
-                 and np.linalg.det(matrix[:3, :3]) > 0)
-        if not rigid:
+        try:
+            given = np.asarray(transform)
+            fault = "its numbers are complex" if given.dtype.kind == "c" else ""
+            matrix = given.real.astype(np.float64)
+        except (TypeError, ValueError) as error:
+            fault = str(error).rstrip(".")
+        fault = fault or _fault(matrix)
+        if fault:
             raise TransformError("refused", f'The transform from "{child}" to "{parent}" is no 4x4 matrix of a rotation '
-                                 f"and a translation: {matrix.tolist()}")
+                                 f"and a translation: {fault}.")
         refusal = self._raw.send(parent, child, matrix.flatten().tolist(), stamp_ns)
         if refusal:
             raise TransformError("refused", refusal)

@@ -11,6 +11,7 @@
 #include "hgros/component/raw_context.hpp"
 #include "hgros/session/node_timer.hpp"
 #include "hosted/context_handle.hpp"
+#include "program_line.hpp"
 #include "service_handle.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"
@@ -96,7 +97,7 @@ Owned<ServiceHandle> Serve(const SessionHandle& handle, const std::string& name,
   options.executor = Executor::Dedicated();
   auto service = handle.Use()->ServeRaw(
       name, request, reply, [desk](const RawMessage& message) { return desk->Handle(message); }, Invoke::kSerial,
-      options);
+      options, ProgramLine());
   return MakeOwned<ServiceHandle>(std::move(service), desk);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "program_line.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"
 
@@ -80,7 +81,8 @@ void BindSession(py::module_& module) {
               return open ? open->Loan<Block>(channel, size_bytes) : nullptr;
             };
             return MakeOwned<PublisherHandle>(
-                std::move(lend), session->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}));
+                std::move(lend),
+                session->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}, ProgramLine()));
           },
           Released(), py::arg("channel"), py::arg("schema"), py::arg("latched"))
       .def(

@@ -5,6 +5,7 @@
 #include "bindings.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/component/raw_context.hpp"
+#include "program_line.hpp"
 
 namespace hgros::python {
 
@@ -54,9 +55,9 @@ void ContextHandle::Subscribe(const std::string& channel, const MessageSchema* s
   };
   const Used used = Use();
   if (schema == nullptr) {
-    used->FromAnyRaw(channel, Invoke::kSerial, handle, std::move(options));
+    used->FromAnyRaw(channel, Invoke::kSerial, handle, std::move(options), ProgramLine());
   } else {
-    RawContext(*used.context).FromAny(channel, *schema, Invoke::kSerial, handle, std::move(options));
+    RawContext(*used.context).FromAny(channel, *schema, Invoke::kSerial, handle, std::move(options), ProgramLine());
   }
 }
 
@@ -72,7 +73,7 @@ void ContextHandle::Serve(const std::string& service, const MessageSchema& reque
     return {bytes, std::move(data)};
   };
   const Used used = Use();
-  RawContext(*used.context).Serve(service, request, reply, handle, Invoke::kSerial, std::move(options));
+  RawContext(*used.context).Serve(service, request, reply, handle, Invoke::kSerial, std::move(options), ProgramLine());
 }
 
 void ContextHandle::CreateTimer(const std::string& timer, std::int64_t period_ns, int target) {
@@ -93,9 +94,9 @@ Owned<PublisherHandle> ContextHandle::Advertise(const std::string& channel, cons
     const std::shared_lock lock(self->mutex_);
     return self->context_ == nullptr ? nullptr : self->context_->Loan<Block>(channel, size_bytes);
   };
-  return MakeOwned<PublisherHandle>(std::move(lend),
-                                    Use()->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}),
-                                    /*beside_others=*/true);
+  return MakeOwned<PublisherHandle>(
+      std::move(lend), Use()->AdvertiseRaw(channel, schema, PublishOptions{.latched = latched}, ProgramLine()),
+      /*beside_others=*/true);
 }
 
 }  // namespace hgros::python
