@@ -260,15 +260,32 @@ TEST(HgrosRobots, ACommandThatFollowsTheLogTooSlowlySaysWhatIsMissing) {
   EXPECT_EQ(follows.Wait(), 128 + SIGINT) << follows.err();
 }
 
-TEST(HgrosRobots, PsNamesARobotThatDoesNotAnswer) {
+TEST(HgrosRobots, CommandsNameARobotThatDoesNotAnswer) {
   const RobotFolder folder(kTwo);
   CommandRun run(folder.Arguments(), folder.environment());
   ASSERT_TRUE(run.Prints("a       I run."));
   run.Signal(SIGSTOP);
-  const CommandEnd end = RunToEnd({"ps"}, folder.environment());
+  std::list<CommandRun> commands;
+  for (const auto& words :
+       std::vector<std::vector<std::string>>{{"ps"}, {"restart", "a"}, {"move", "a", "--to", "main"}, {"stop"}}) {
+    commands.emplace_back(words, folder.environment());
+  }
+  for (CommandRun& command : commands) {
+    EXPECT_EQ(command.Wait(), 3);
+    EXPECT_THAT(command.err(), HasSubstr("The robot \"robot\" does not answer: its hgros run is stopped"));
+  }
   run.Signal(SIGCONT);
-  EXPECT_EQ(end.status, 3);
-  EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" does not answer: its hgros run is stopped"));
+}
+
+TEST(HgrosRobots, CommandsWaitForWhatTakesLong) {
+  const RobotFolder folder("components: {a: {type: relay/Does, params: {what: hang at end}}}\n");
+  CommandRun run(folder.Arguments(), folder.environment());
+  ASSERT_TRUE(run.Prints("I run."));
+  CommandRun restart({"restart", "a"}, folder.environment());
+  run.Signal(SIGSTOP);
+  test::Linger(std::chrono::seconds(6));  // It asks whether there is anybody.
+  run.Signal(SIGCONT);
+  EXPECT_EQ(restart.Wait(), 0) << restart.err();
 }
 
 // Another user who has taken the name of the robot.
@@ -380,7 +397,7 @@ TEST(HgrosRobots, SleepsAndSaysWhenItCanOpenNoMoreFiles) {
       "for i in $(seq 200); do $HGROS ps 2>&1 | grep -q running && break; sleep 0.1; done\n"
       "prlimit --pid $run --nofile=$(($(ls /proc/$run/fd | wc -l) + 3))\n"
       "for i in $(seq 24); do $HGROS wait > /dev/null 2>&1 & waits=\"$waits $!\"; done\n"
-      "for i in $(seq 30); do $HGROS ps > /dev/null 2>&1 || break; sleep 0.1; done\n"
+      "for i in $(seq 200); do $HGROS ps > /dev/null 2>&1 || break; sleep 0.1; done\n"
       "set -- $(cut -d')' -f2 < /proc/$run/stat); before=$((${12} + ${13}))\n"
       "$HGROS ps; sleep 1\n"
       "set -- $(cut -d')' -f2 < /proc/$run/stat); echo ticks=$((${12} + ${13} - before))\n"
