@@ -182,6 +182,22 @@ class Subscribing(RobotTest):
         self.assertEqual(len(dropped), 1, said.output)
         self.assertIn('"slow" on channel "log" has dropped 1 of', dropped[0])
 
+    def test_exceptions_without_end_are_logged_ten_times(self):
+        robot = self.session()
+        publisher = robot.advertise("log", Log)
+
+        def fails(message, info):
+            raise ValueError(f"message {message.line}")
+
+        with self.assertLogs("hgros", "ERROR") as said:
+            heard = robot.subscribe("log", Log, fails, queue=hgros.KeepLast(100))
+            for line in range(50):
+                publisher.publish(Log(line=line))
+            self.spin_until(robot, lambda: heard.failed == 50)
+        self.assertEqual(len(said.output), 11, said.output)
+        self.assertIn("ValueError: message 9", said.output[9])
+        self.assertIn('A callback of channel "log" raises exceptions again and again: 11 so far.', said.output[10])
+
     def test_message_that_comes_before_a_spin_waits_for_it(self):
         robot = self.session()
         publisher = robot.advertise("log", Log, latched=1)

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import abc
 import inspect
+import math
+import time
 from typing import Any, Callable, Protocol
 
+from .log_relay import logger
 from .readable import readable
+
+_MOST_LOGGED = 10
+_LOGS_WITHIN_S = 10
 
 
 class _Ends(Protocol):
@@ -23,8 +29,23 @@ class Handler(abc.ABC):
         self.callback = callback
         self.run = 0
         self.failed = 0
+        self._logs_since = -math.inf
+        self._logged = 0
         self._raw: Any = raw
         self._end = end
+
+    def _fails(self, what: str) -> None:
+        """Counts the exception that is being handled, and logs it; of many like it, ten within ten seconds."""
+        self.failed += 1
+        now = time.monotonic()
+        if now - self._logs_since > _LOGS_WITHIN_S:
+            self._logs_since, self._logged = now, 0
+        self._logged += 1
+        if self._logged <= _MOST_LOGGED:
+            logger.exception("%s raised an exception.", what)
+        elif self._logged == _MOST_LOGGED + 1:
+            logger.error("%s raises exceptions again and again: %d so far. Those of the next %d s are only counted "
+                         "(`failed`).", what, self.failed, _LOGS_WITHIN_S)
 
     @property
     def active(self) -> bool:

@@ -8,7 +8,6 @@ from . import _hgros
 from .arguments import check_name
 from .callbacks import Handler, check_callback
 from .errors import Error
-from .log_relay import logger
 
 
 class _Owner(Protocol):
@@ -39,8 +38,7 @@ class _Watch(Handler):
             try:
                 self.callback(paths)
             except Exception:
-                self.failed += 1
-                logger.exception('A callback of parameter "%s" raised an exception.', self._path)
+                self._fails(f'A callback of parameter "{self._path}"')
         return False
 
 

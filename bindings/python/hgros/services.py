@@ -10,7 +10,6 @@ from google.protobuf.message import DecodeError, Message
 from . import _hgros
 from .callbacks import Handler
 from .errors import Error
-from .log_relay import logger
 from .message_types import decoder
 from .stream import until_woken
 
@@ -115,9 +114,10 @@ class Service(Handler):
                                     f"{self._reply_type.DESCRIPTOR.full_name}, not {type(reply).__name__}.")
                 answer.reply(reply.SerializeToString())
             except BaseException as fault:
-                self.failed += 1
                 if isinstance(fault, Exception):
-                    logger.exception('The handler of service "%s" raised an exception.', self.name)
+                    self._fails(f'The handler of service "{self.name}"')
+                else:
+                    self.failed += 1
                 answer.fail(f"{type(fault).__name__}: {fault}")
                 if not isinstance(fault, Exception):
                     raise

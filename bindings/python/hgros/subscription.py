@@ -111,8 +111,7 @@ class Subscription(Handler):
                 callback(*found)
                 failed = False
             except Exception:
-                self.failed += 1
-                logger.exception('A callback of channel "%s" raised an exception.', self.channel)
+                self._fails(f'A callback of channel "{self.channel}"')
             finally:
                 _hgros.leave_callback(failed)
             if not reader.more:

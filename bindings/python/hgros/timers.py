@@ -9,7 +9,6 @@ from . import _hgros
 from .arguments import check_seconds
 from .callbacks import Handler
 from .errors import Error
-from .log_relay import logger
 
 
 @dataclass(frozen=True)
@@ -50,8 +49,7 @@ class Timer(Handler):
             try:
                 self.callback(tick)
             except Exception:
-                self.failed += 1
-                logger.exception('The callback of timer "%s" raised an exception.', self.name)
+                self._fails(f'The callback of timer "{self.name}"')
         return False
 
 
