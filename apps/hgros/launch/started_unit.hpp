@@ -56,6 +56,13 @@ struct StartedUnit {
     if (!running->stream_ended()) watched.push_back({running->stream().descriptor(), static_cast<short>(events), 0});
     if (running->output() >= 0) watched.push_back({running->output(), POLLIN, 0});
   }
+  /// What a process that starts waits for, if that takes long; empty: nothing. `joining`: all have been
+  /// constructed; `released`: all may run.
+  [[nodiscard]] std::string WhatIsLate(bool joining, bool released) const {
+    if (stage == UnitStage::kBegun) return "It still constructs its components.";
+    if (stage == UnitStage::kConstructed && joining) return "It still waits for its subscribers.";
+    return stage == UnitStage::kJoined && released ? "An Activate() of its components has not returned." : "";
+  }
   /// To a process that runs.
   void Send(const RunOrder& order) {
     running->stream().Add(order);

@@ -52,7 +52,6 @@ Starter::Starter(RobotFile robot, const RobotGraph& graph, const ComponentCatalo
 }
 
 int Starter::Run() {
-  late_at_ = Clock::now() + kLateStart;
   surroundings_.pause.OutlastTheSecond();  // It kills them; this process must not leave before.
   while (!AllEnded()) {
     try {
@@ -108,6 +107,7 @@ void Starter::Start(Unit& unit) {
   });
   unit.stage = unit.program != nullptr ? Stage::kRunning : Stage::kBegun;
   unit.started = Clock::now();
+  late_at_ = unit.started + kLateStart;
   ++unit.starts;
 }
 
@@ -115,16 +115,15 @@ void Starter::SayWhatIsLate() {
   if (Clock::now() < late_at_) return;
   late_at_ = Clock::time_point::max();
   for (const Unit& unit : units_) {
-    if (unit.stage != Stage::kBegun && unit.stage != Stage::kConstructed) continue;
-    Say(unit, LogLevel::kWarning,
-        unit.stage == Stage::kBegun ? "It still constructs its components. The robot waits for it."
-                                    : "It still waits for its subscribers. The robot waits for it.");
+    const std::string late = unit.WhatIsLate(joining_, released_);
+    if (!late.empty()) Say(unit, LogLevel::kWarning, late + (released_ ? "" : " The robot waits for it."));
   }
 }
 
 void Starter::Advance() {
-  if (ending_ || released_) return;
+  if (ending_) return;
   SayWhatIsLate();
+  if (released_) return;
   const auto all = [this](Stage stage) {
     return std::ranges::all_of(units_, [stage](const Unit& unit) {
       return unit.program != nullptr || (unit.stage >= stage && unit.stage < Stage::kEnds);
@@ -138,7 +137,7 @@ void Starter::Advance() {
   }
   if (joining_ && all(Stage::kJoined)) {
     released_ = true;
-    late_at_ = Clock::time_point::max();
+    late_at_ = Clock::now() + kLateStart;
     for (Unit& unit : units_) {
       if (unit.process != nullptr) Release(unit);
     }

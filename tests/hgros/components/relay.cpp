@@ -73,7 +73,10 @@ class Does {
     if (const char* door = std::getenv("RELAY_DOOR")) close(open(door, O_RDONLY | O_CLOEXEC));
     context.CreateTimer("soon", std::chrono::milliseconds(50), [this](const hgros::Tick&) { Do(); });
   }
-  void Activate() { context_.log().Write(hgros::LogLevel::kInfo, "I run."); }
+  void Activate() {
+    while (what_ == "hang at start") (void)pause();
+    context_.log().Write(hgros::LogLevel::kInfo, "I run.");
+  }
   void Deactivate() {
     context_.log().Write(hgros::LogLevel::kInfo, "I end.");
     while (what_ == "hang at end") (void)pause();

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -335,6 +336,21 @@ TEST(HgrosRun, KillsWhatDoesNotEnd) {
   EXPECT_THAT(run.out(), HasSubstr("did not end in time, and is killed."));
   for (const pid_t pid : PidsIn(run.out())) EXPECT_FALSE(Runs(pid));
   EXPECT_THAT(robot.FilesLeft(), testing::IsEmpty());
+}
+
+TEST(HgrosRun, TellsWhatDoesNotBeginToRun) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does, params: {what: hang at start}},\n"
+      "  c: {type: relay/Does}}\n"
+      "processes: {p: {components: [b]}, q: {components: [c], env: {RELAY_DOOR: \"${FOLDER}/door\"}}}\n");
+  ASSERT_EQ(mkfifo(robot.path("door").c_str(), 0600), 0);
+  CommandRun run(robot.Arguments(), robot.environment());
+  EXPECT_TRUE(run.Prints("q     warning: It still constructs its components. The robot waits for it.")) << run.out();
+  std::ofstream(robot.path("door")).close();
+  EXPECT_TRUE(run.Prints("p     warning: An Activate() of its components has not returned.")) << run.out();
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  EXPECT_EQ(run.out().find("subscribers"), std::string::npos) << "p waited for q.";
 }
 
 TEST(HgrosRun, ASecondSignalLeavesNothing) {
