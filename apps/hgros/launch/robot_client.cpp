@@ -13,28 +13,24 @@ namespace {
 
 constexpr std::chrono::seconds kAnswerPatience{5};
 
-std::chrono::steady_clock::time_point Soon() { return std::chrono::steady_clock::now() + kAnswerPatience; }
-
-// What takes long may still come. Throws TimedOut if the robot answers nothing at all.
-void RequireAnswers(const std::string& robot, Pause& pause) {
-  RobotRequest status;
-  status.set_status(true);
-  try {
-    (void)AskRobot(robot, status, pause);
-  } catch (const TimedOut&) {
-    throw;
-  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): it has ended, and the answer says so.
-  }
+bool MayTakeLong(const RobotRequest& request) {
+  return request.has_stop() || request.has_restart() || request.has_move() ||
+         (request.has_logs() && request.logs().follow());
 }
 
 }  // namespace
 
 RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, Pause& pause,
                          const std::function<void(const RobotReply& reply)>& hear) {
+  if (MayTakeLong(request)) {  // Silence says nothing then. So the starter first shows that it answers.
+    RobotRequest status;
+    status.set_status(true);
+    (void)AskRobot(robot, status, pause);
+  }
   const auto stream = ConnectToRobot(robot);
   const bool at_once = request.has_status() || (request.has_logs() && !request.logs().follow());
-  const bool for_ever = request.has_wait() || request.has_logs();
-  auto late = for_ever && !at_once ? std::chrono::steady_clock::time_point::max() : Soon();
+  const auto late =
+      at_once ? std::chrono::steady_clock::now() + kAnswerPatience : std::chrono::steady_clock::time_point::max();
   stream->Add(request);
   bool open = stream->Write();
   if (!open) (void)stream->Read();  // It may have refused the command already.
@@ -48,11 +44,6 @@ RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, 
     switch (pause.UntilReadable(stream->descriptor(), late)) {
       case Pause::End::kInterrupted: throw OutputClosed();
       case Pause::End::kDeadline:
-        if (!at_once) {
-          RequireAnswers(robot, pause);
-          late = Soon();
-          break;
-        }
         throw TimedOut("The robot \"" + robot +
                        "\" does not answer: its hgros run is stopped, or nobody reads its output. "
                        "Continue it with `fg`, or read its output.");

@@ -265,27 +265,14 @@ TEST(HgrosRobots, CommandsNameARobotThatDoesNotAnswer) {
   CommandRun run(folder.Arguments(), folder.environment());
   ASSERT_TRUE(run.Prints("a       I run."));
   run.Signal(SIGSTOP);
-  std::list<CommandRun> commands;
-  for (const auto& words :
-       std::vector<std::vector<std::string>>{{"ps"}, {"restart", "a"}, {"move", "a", "--to", "main"}, {"stop"}}) {
-    commands.emplace_back(words, folder.environment());
-  }
-  for (CommandRun& command : commands) {
-    EXPECT_EQ(command.Wait(), 3);
-    EXPECT_THAT(command.err(), HasSubstr("The robot \"robot\" does not answer: its hgros run is stopped"));
-  }
+  const CommandEnd end = RunInShell(
+      "for command in ps logs 'logs -f' stop 'restart a' 'move a --to p'; do\n"
+      "  (timeout 30 $HGROS $command > /dev/null; echo $?) &\n"
+      "done; wait",
+      folder.environment());
   run.Signal(SIGCONT);
-}
-
-TEST(HgrosRobots, CommandsWaitForWhatTakesLong) {
-  const RobotFolder folder("components: {a: {type: relay/Does, params: {what: hang at end}}}\n");
-  CommandRun run(folder.Arguments(), folder.environment());
-  ASSERT_TRUE(run.Prints("I run."));
-  CommandRun restart({"restart", "a"}, folder.environment());
-  run.Signal(SIGSTOP);
-  test::Linger(std::chrono::seconds(6));  // It asks whether there is anybody.
-  run.Signal(SIGCONT);
-  EXPECT_EQ(restart.Wait(), 0) << restart.err();
+  EXPECT_EQ(end.out, "3\n3\n3\n3\n3\n3\n");
+  EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" does not answer: its hgros run is stopped"));
 }
 
 // Another user who has taken the name of the robot.
