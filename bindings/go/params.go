@@ -7,6 +7,7 @@ import "C"
 import (
 	"encoding/json"
 	"fmt"
+	"reflect"
 	"runtime/cgo"
 	"time"
 	"unsafe"
@@ -129,8 +130,12 @@ func (p *Params) Declare(path string, fallback any, info *ParamInfo) error {
 }
 
 func badValue(path string, value any) error {
-	return &Error{InvalidArgument, fmt.Sprintf("The value %v of parameter \"%s\" is a %T, but must be a bool, int, "+
-		"int64, finite float64, string or []float64.", value, path, value)}
+	shown := ""
+	if kind := reflect.ValueOf(value).Kind(); kind <= reflect.Complex128 || kind == reflect.String {
+		shown = fmt.Sprintf(" %v", value) // What may contain itself is not shown: its text has no end.
+	}
+	return &Error{InvalidArgument, fmt.Sprintf("The value%s of parameter \"%s\" is a %T, but must be a bool, int, "+
+		"int64, finite float64, string or []float64.", shown, path, value)}
 }
 
 func (p *Params) at(path string, call func(path *C.char) C.hgros_status) error {

@@ -48,6 +48,11 @@ func TestParametersAreDeclaredSetAndWatched(t *testing.T) {
 	if err := params.Set("wheel.radius", struct{}{}); !errors.Is(err, hgros.InvalidArgument) {
 		t.Fatal("a value of no kind gave", err)
 	}
+	inItself := map[string]any{}
+	inItself["again"] = inItself
+	if err := params.Declare("map", inItself, nil); !errors.Is(err, hgros.InvalidArgument) {
+		t.Fatal("a map that contains itself gave", err)
+	}
 	watch.Close()
 	require(t, params.Set("wheel.count", 3))
 	if len(changes) != 0 {
