@@ -1,7 +1,7 @@
 using System;
 using Hgros;
 
-// Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later.
+// Publishes five greetings as soon as somebody subscribes.
 internal static class Publisher {
   private static void Main() {
     var log = DynamicType.Known("foxglove.Log");

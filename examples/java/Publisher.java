@@ -3,7 +3,7 @@ import java.time.Duration;
 import org.hgros.PublishOptions;
 import org.hgros.Session;
 
-/** Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later. */
+/** Publishes five greetings as soon as somebody subscribes. */
 public class Publisher {
   public static void main(String[] arguments) throws InterruptedException {
     Duration minute = Duration.ofMinutes(1);

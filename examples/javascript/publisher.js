@@ -1,4 +1,4 @@
-// Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later.
+// Publishes five greetings as soon as somebody subscribes.
 'use strict';
 
 const hgros = require('hgros');

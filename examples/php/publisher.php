@@ -1,5 +1,5 @@
 <?php
-// Publishes five greetings as soon as somebody subscribes. The channel keeps them for those who come later.
+// Publishes five greetings as soon as somebody subscribes.
 
 use Foxglove\Log;
 use Hgros\Session;

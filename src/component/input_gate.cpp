@@ -20,7 +20,7 @@ InputGate::InputGate(std::string node, const TypeInfo& type, AnyCallback callbac
                      std::shared_ptr<ComponentGuard> guard)
     : node_(std::move(node)), type_(type), callback_(std::move(callback)), guard_(std::move(guard)) {}
 
-bool InputGate::Suspends() {
+bool InputGate::TrySuspend() {
   if (suspend_) return true;
   suspend_ = SuspenderOfRunningNode();
   if (suspend_) suspend_(true);
@@ -37,7 +37,7 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
     Waiting dropped;  // Ends outside the lock.
     {
       std::unique_lock lock(mutex_);
-      if (drains_ && *drains_ != std::this_thread::get_id() && !Suspends()) {
+      if (drains_ && *drains_ != std::this_thread::get_id() && !TrySuspend()) {
         room_.wait_for(lock, kDrainPatience, [this] { return !drains_; });
       }
       room_.wait(lock, [this] {
@@ -53,7 +53,7 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
           waiting_.pop_front();
         }
         waiting_.push_back({message, info});
-        if (waiting_.size() >= kMostWaiting && full_ == Full::kWaits) (void)Suspends();
+        if (waiting_.size() >= kMostWaiting && full_ == Full::kWaits) (void)TrySuspend();
         wake = wake_;
       }
     }

@@ -77,7 +77,7 @@ class InputGate {
 
   void Note(const MessageInfo& info);
   // Lets messages wait in the queue of the subscription; in its callback. False: it has none. The lock is held.
-  [[nodiscard]] bool Suspends();
+  [[nodiscard]] bool TrySuspend();
   // Messages come again; the lock is held.
   void Continue();
   // Whether it was handled in another place. Forgets the publisher's position there behind the first that was not.

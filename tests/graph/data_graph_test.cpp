@@ -184,8 +184,8 @@ TEST_P(EveryExecutor, KeepLastNodeLogsItsFirstDropOnceWithTheWayToChangeItsQueue
   door.Open();
   EXPECT_EQ(heard.Count("has dropped"), 1U) << "the newest alone was asked for on the other channel";
   EXPECT_TRUE(
-      heard.Contains("Subscription \"c#0\" on channel \"c\" has dropped 1 of 5 messages: they come faster than its "
-                     "callback handles them, and its queue keeps only the last 3."));
+      heard.Contains("Subscription \"c#0\" on channel \"c\" has dropped 1 of 5 messages: they come faster than "
+                     "they are handled, and its queue keeps only the last 3."));
   EXPECT_TRUE(heard.Contains("data_graph: nodes: \"c#0\": queue"));
   EXPECT_EQ(latest.stats().dropped, 9U);
 }

@@ -7,7 +7,6 @@ import re
 import signal
 import subprocess
 import tempfile
-import time
 
 from support import DEADLINE_S, RobotTest, main, wait_until
 
@@ -129,11 +128,6 @@ class Late:
             print("It goes on.")
 
 
-class Slow:
-    def __init__(self, context):
-        time.sleep(1)
-
-
 class Broken:
     def __init__(self, context):
         raise ValueError("no such port\\x1b[31m")
@@ -246,13 +240,6 @@ class Components(RobotTest):
         self.assertRegex(self.log(), r"main +late: after\\x1b\[31m\n")
         robot.send_signal(signal.SIGINT)
         self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
-
-    def test_restart_while_the_robot_starts_is_refused(self):
-        self.robot("components:\n  slow: {type: parts:Slow}\n")
-        answers = []
-        wait_until(lambda: answers.append(self.hgros("restart", "slow")) or "No robot" not in answers[-1].stderr, "the robot")
-        self.assertIn('The robot still starts. Try again', answers[-1].stderr)
-        wait_until(lambda: self.hgros("restart", "slow").returncode == 0, "the restart")
 
     def test_a_move_loses_no_message(self):
         sums = self.sums()

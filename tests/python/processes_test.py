@@ -119,10 +119,11 @@ class Processes(RobotTest):
         self.assertEqual((err, code), ("", 3))
 
     def test_exit_inside_a_callback_of_start_is_said(self):
-        out, err, code = self.run_to_end("import time\n"
-                                         "def heard(message, info):\n"
+        out, err, code = self.run_to_end("def heard(message, info):\n"
                                          "    if message.message == 'end': sys.exit(3)\n"
                                          "    print(message.message, flush=True)\n"
+                                         "    again.set()\n"
+                                         "again = threading.Event()\n"
                                          "robot = hgros.Session()\n"
                                          "robot.subscribe('log', Log, heard)\n"
                                          "publisher = robot.advertise('log', Log)\n"
@@ -131,7 +132,7 @@ class Processes(RobotTest):
                                          "robot._thread.join()\n"
                                          "robot.start()\n"
                                          "publisher.publish(Log(message='again'))\n"
-                                         "time.sleep(1)\n")
+                                         "again.wait(20)\n")
         self.assertEqual((out, code), ("again\n", 0), err)
         self.assertIn("A callback called sys.exit() on the thread of start(), which has ended.", err)
 

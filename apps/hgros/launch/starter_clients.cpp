@@ -97,7 +97,7 @@ void StarterClients::TakeRestart(Client& client, const std::string& name) {
   if (starter_.mover().Moves(name))
     return SendEnd(client, kFailed, "\"" + name + "\" moves at this moment. Try again.");
   if (!starter_.released()) {
-    return SendEnd(client, kFailed, "The robot still starts. Try again when it runs: `hgros ps` shows it.");
+    return SendEnd(client, kFailed, "The robot still starts, or ends already. `hgros ps` shows when it runs.");
   }
   client.restarts = unit;
   const auto alone = unit == name ? std::nullopt : starter_.RestartAlone(name);

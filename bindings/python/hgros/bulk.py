@@ -184,7 +184,7 @@ class LoanedMessage(Generic[M]):
             if given.nbytes != len(whole):
                 raise Error(f"The loan has {len(whole)} bytes, and what is written into its {name} has {given.nbytes}. Give "
                             "the loan its size.")
-            whole[:] = given.tobytes()
+            whole[:] = given if given.format == "B" and given.ndim == 1 and given.contiguous else given.tobytes()
         else:
             setattr(self._head, name, value)
 
@@ -204,6 +204,8 @@ def _check_type(given: Any, type_name: str) -> None:
     of = getattr(given._head if type(given) is LoanedMessage else given, "DESCRIPTOR", None)
     if of is None or of.full_name != type_name or isinstance(given, type):
         name = type(given).__name__ if of is None else of.full_name
+        if isinstance(given, type) and of is not None:
+            name = f"the class {given.__name__}"
         raise TypeError(f"This is for messages of {type_name}, not {name}.")
 
 

@@ -44,8 +44,8 @@ class Handler(abc.ABC):
         if self._logged <= _MOST_LOGGED:
             logger.exception("%s raised an exception.", what)
         elif self._logged == _MOST_LOGGED + 1:
-            logger.error("%s raises exceptions again and again: %d so far. Those of the next %d s are only counted "
-                         "(`failed`).", what, self.failed, _LOGS_WITHIN_S)
+            logger.error("%s raises exceptions again and again: %d so far. Until %d s after the first, others are only "
+                         "counted (`failed`).", what, self.failed, _LOGS_WITHIN_S)
 
     @property
     def active(self) -> bool:

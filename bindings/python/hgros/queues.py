@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
+from typing import Any
+
+
+def _is_size(given: Any) -> bool:
+    try:
+        return operator.index(given) >= 1  # Also a whole number of numpy.
+    except TypeError:
+        return False
 
 
 @dataclass(frozen=True)
@@ -12,7 +21,7 @@ class KeepLast:
     depth: int = 16
 
     def __post_init__(self) -> None:
-        if not isinstance(self.depth, int) or self.depth < 1:
+        if not _is_size(self.depth):
             raise ValueError(f"KeepLast needs room for at least one message, not {self.depth!r}.")
 
 
@@ -29,7 +38,7 @@ class KeepAll:
 
     def __post_init__(self) -> None:
         for limit in (self.depth, 1 if self.limit_bytes is None else self.limit_bytes):
-            if not isinstance(limit, int) or limit < 1:
+            if not _is_size(limit):
                 raise ValueError(f"KeepAll needs room for at least one message and one byte, not {limit!r}.")
 
 

@@ -115,6 +115,7 @@ class Messages(Generic[M]):
         """Ends the subscription, and iterations on other threads. Does nothing if it has ended."""
         raw, self._raw = self._raw, None
         if raw is not None and not raw.of_parent:
+            self._reader.finish(False)
             self._dropped = raw.dropped
             raw.end()
             self._ready.wake()

@@ -39,8 +39,13 @@ class Reader:
                 except DecodeError as fault:
                     logger.warning('A message on channel "%s" cannot be read: %s', self.channel, fault)
             self.not_decoded += 1
+            self._inbox.skip()
         self.more = False
         return None
+
+    def finish(self, failed: bool) -> None:
+        """The message was handled. Otherwise that is so when the next one is taken."""
+        self._inbox.finish(failed)
 
     def _use(self, schema: _hgros.Schema, info: _hgros.MessageInfo) -> None:
         self._decode = None  # Never that of another publisher.
@@ -112,8 +117,12 @@ class Subscription(Handler):
                 failed = False
             except Exception:
                 self._fails(f'A callback of channel "{self.channel}"')
+            except BaseException:
+                self.failed += 1
+                raise
             finally:
-                _hgros.leave_callback(failed)
+                _hgros.leave_callback()
+                reader.finish(failed)
             if not reader.more:
                 return False
         return True

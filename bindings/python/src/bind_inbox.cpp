@@ -1,8 +1,6 @@
 #include <pybind11/stl.h>
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -11,7 +9,6 @@
 
 #include "bindings.hpp"
 #include "bulk_wire.hpp"
-#include "hgros/clock/time.hpp"
 #include "inbox.hpp"
 #include "session_handle.hpp"
 #include "wire.hpp"
@@ -68,29 +65,16 @@ py::list TakeFrom(Inbox& inbox, std::size_t most) {
   return list;
 }
 
-// What this thread of Python handles.
-struct Handled {
-  HandedOver node;
-  MessageInfo info;
-  std::int64_t start_ns = 0;
-};
-thread_local std::optional<Handled> handled;
-
-void LeaveCallback(bool failed) {
-  current_cause = {};
-  if (handled) handled->node.CountRun(handled->info, handled->start_ns, MonotonicNow(), failed);
-  handled.reset();
-}
-
 // The next message: wire, its schema (none if that of the one before), info and whether more wait; or none. What this
 // thread publishes from now on was caused by it.
 py::object NextOf(Inbox& inbox) {
+  inbox.Finish(false);
   bool more = false;
   auto taken = inbox.TakeOne(more);
   auto* heard = taken ? std::get_if<Heard>(&*taken) : nullptr;
   if (heard == nullptr) return py::none();
   current_cause = heard->cause;
-  handled = {inbox.node(), heard->info, MonotonicNow()};
+  inbox.Begin(heard->info);
   auto schema = std::const_pointer_cast<MessageSchema>(std::move(heard->message.schema));
   py::object told = inbox.IsNew(schema) ? py::cast(std::move(schema)) : py::none();
   return py::make_tuple(WireOf(std::move(heard->message.data)), std::move(told), Envelope{heard->info}, more);
@@ -123,7 +107,7 @@ void BindInfo(py::module_& module) {
         return "MessageInfo(publisher=" + SessionId{one.info.id.publisher}.ToString() +
                ", sequence=" + std::to_string(one.info.id.sequence) + ")";
       });
-  module.def("leave_callback", &LeaveCallback, py::arg("failed") = false);
+  module.def("leave_callback", [] { current_cause = {}; });
 }
 
 }  // namespace
@@ -177,6 +161,8 @@ void BindInbox(py::module_& module) {
       .def("keep_last", [](Inbox& inbox, std::size_t depth) { inbox.SetQueue(Queue::KeepLast(depth)); })
       .def("take", &TakeFrom, py::arg("most"))
       .def("next", &NextOf)
+      .def("finish", &Inbox::Finish, py::arg("failed"))
+      .def("skip", &Inbox::Skip)
       .def("end", &Inbox::Close, Released())
       .def_property_readonly("dropped", &Inbox::dropped)
       .def_property_readonly("queued", &Inbox::queued);

@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "hgros/clock/time.hpp"
+
 namespace hgros::python {
 namespace {
 
@@ -37,9 +39,14 @@ void Inbox::SetNode(const HandedOver& node) {
   node_ = node;
 }
 
-HandedOver Inbox::node() const {
+void Inbox::Begin(const MessageInfo& info) {
   const std::scoped_lock lock(mutex_);
-  return node_;
+  handled_ = Handled{node_, info, MonotonicNow()};
+}
+
+void Inbox::Finish(bool failed) {
+  if (handled_) handled_->node.CountRun(handled_->info, handled_->start_ns, MonotonicNow(), failed);
+  handled_.reset();
 }
 
 bool Inbox::HasRoomLocked() const noexcept {

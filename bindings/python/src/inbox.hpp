@@ -39,7 +39,11 @@ class Inbox : public OfProcess {
   void Push(Arrival arrival);
   /// The node that fills the inbox, which counts what is dropped.
   void SetNode(const HandedOver& node);
-  [[nodiscard]] HandedOver node() const;
+  /// The node counts the message that Begin() names as handled once Finish() is called: not if Skip() was, or twice.
+  /// For the one thread that takes.
+  void Begin(const MessageInfo& info);
+  void Finish(bool failed);
+  void Skip() { handled_.reset(); }
   /// At most `most`, the oldest first; none if there is none.
   [[nodiscard]] std::vector<Arrival> Take(std::size_t most);
   /// The oldest; empty if there is none. `more` tells whether others wait, for which the list does not get the key.
@@ -68,6 +72,12 @@ class Inbox : public OfProcess {
   std::size_t bytes_ = 0;
   std::optional<Queue> queue_;
   HandedOver node_;
+  struct Handled {
+    HandedOver node;
+    MessageInfo info;
+    std::int64_t start_ns;
+  };
+  std::optional<Handled> handled_;
   std::uint64_t dropped_ = 0;
   bool announced_ = false;  // The list has our key.
   bool closed_ = false;

@@ -51,9 +51,8 @@ bool SessionHandle::closed() const {
 Owned<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel, const std::shared_ptr<Inbox>& inbox,
                                                    const NodeOptions& options) {
   const auto session = Use();
-  auto put = [inbox, known = false](const std::shared_ptr<const RawMessage>& message,
-                                          const MessageInfo& info) mutable {
-    if (!std::exchange(known, true)) inbox->SetNode(HandedOver::ByRunningNode());
+  auto put = [inbox, known = false](const std::shared_ptr<const RawMessage>& message, const MessageInfo& info) mutable {
+    if (!std::exchange(known, true)) inbox->SetNode(HandedOver::TakeFromRunningNode());
     inbox->Push(Heard{*message, info, Cause::Here()});
   };
   NodeOptions chosen = options;

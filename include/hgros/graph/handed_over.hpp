@@ -8,16 +8,18 @@
 
 namespace hgros {
 
+class GraphCore;
 class Node;
 
 /// A node whose callback only hands messages to another thread of the program, such as one of another language. That
-/// thread counts here what becomes of them; the node counts no runs by itself any more.
+/// thread counts here what becomes of them.
 ///
 /// Thread safety: all functions. They do nothing once the subscription has ended.
 class HGROS_EXPORT HandedOver {
  public:
-  /// The node whose callback the calling thread runs. Outside callbacks nothing is counted.
-  [[nodiscard]] static HandedOver ByRunningNode();
+  /// Of the node whose callback the calling thread runs: from now on it counts no runs by itself. Outside callbacks
+  /// nothing is counted.
+  [[nodiscard]] static HandedOver TakeFromRunningNode();
 
   /// A message was dropped because newer ones came. The first time is logged.
   void CountDropped() const noexcept;
@@ -25,6 +27,7 @@ class HGROS_EXPORT HandedOver {
   void CountRun(const MessageInfo& info, std::int64_t start_ns, std::int64_t end_ns, bool failed) const noexcept;
 
  private:
+  std::weak_ptr<GraphCore> graph_;
   std::weak_ptr<Node> node_;
 };
 

@@ -104,7 +104,7 @@ void Node::SayDropped() noexcept {
       LogLevel::kWarning,
       "Subscription \"" + now.name + "\" on channel \"" + now.channel + "\" has dropped " +
           std::to_string(now.dropped) + " of " + std::to_string(now.received) +
-          " messages: they come faster than its callback handles them, and its queue keeps only the last " +
+          " messages: they come faster than they are handled, and its queue keeps only the last " +
           std::to_string(now.queue.depth()) +
           ". Give the subscription another queue, or set it in the configuration: data_graph: nodes: \"" + now.name +
           "\": queue, with {keep_last: N}, {keep_all: N} or latest. Further drops are only counted.");
@@ -132,22 +132,28 @@ NodeSnapshot Node::Snapshot() const {
   return snapshot;
 }
 
-HandedOver HandedOver::ByRunningNode() {
+HandedOver HandedOver::TakeFromRunningNode() {
   HandedOver over;
-  if (Node* const node = CallbackScope::Innermost()) {
-    node->HandOver();
-    over.node_ = node->weak_from_this();
-  }
+  Node* const node = CallbackScope::Innermost();
+  if (node == nullptr || node->setting().graph == nullptr) return over;
+  node->HandOver();
+  over.graph_ = node->setting().graph->weak_from_this();
+  over.node_ = node->weak_from_this();
   return over;
 }
 
+// A node uses its graph, which it may outlive.
 void HandedOver::CountDropped() const noexcept {
-  if (const std::shared_ptr<Node> node = node_.lock()) node->CountDropped();
+  const std::shared_ptr<GraphCore> graph = graph_.lock();
+  const std::shared_ptr<Node> node = node_.lock();
+  if (graph && node) node->CountDropped();
 }
 
 void HandedOver::CountRun(const MessageInfo& info, std::int64_t start_ns, std::int64_t end_ns,
                           bool failed) const noexcept {
-  if (const std::shared_ptr<Node> node = node_.lock()) node->CountRun(info, start_ns, end_ns, failed);
+  const std::shared_ptr<GraphCore> graph = graph_.lock();
+  const std::shared_ptr<Node> node = node_.lock();
+  if (graph && node) node->CountRun(info, start_ns, end_ns, failed);
 }
 
 std::function<void(bool)> SuspenderOfRunningNode() {

@@ -130,13 +130,14 @@ class Node : public std::enable_shared_from_this<Node> {
   // Logs the first drop of a node that wants more than the newest message. Call it without the node's lock.
   void SayDropped() noexcept;
 
-  // Delivering threads write the last group, running threads the one before it, and both read the first: each has
-  // cache lines of its own.
  private:
-  NodeSetting setting_;
-  CallbackGuard callback_;
   // Counts a callback with the message that has ended.
   void CountEnded(const MessageInfo& info, std::int64_t start, std::int64_t end, NodeStats& stats, Writers writers);
+
+  // Delivering threads write the last group, running threads the one before it, and both read the first: each has
+  // cache lines of its own.
+  NodeSetting setting_;
+  CallbackGuard callback_;
   std::atomic<bool> two_forms_{false};
   std::atomic<bool> handed_over_{false};
   std::atomic<bool> said_dropped_{false};

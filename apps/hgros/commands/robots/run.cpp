@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commands/commands.hpp"
@@ -117,12 +118,20 @@ std::vector<ComponentDescription> RunCommand::Try(const RobotFile& robot, const 
   return std::move(checked.descriptions);
 }
 
-// A session that was killed has left its file. The next session of the domain removes it.
-void RemoveWhatWasLeft() {
-  try {
-    const Session session(Config::Parse("discovery: {lan: false}"), {.name = {}, .log = [](LogLevel, std::string_view) {}});
-    (void)session.Channels();        // It looks for other sessions from here on.
-  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): others will do it.
+// A session that was killed has left its file. The next session of its domain removes it.
+void RemoveWhatWasLeft(const RobotFile& robot) {
+  std::set<std::string> domains;
+  for (const RobotProcess& process : robot.processes) {
+    if (process.config.discovery.local) domains.insert(process.config.discovery.domain);
+  }
+  for (const std::string& domain : domains) {
+    try {
+      Config config = Config::Parse("discovery: {lan: false}");
+      config.discovery.domain = domain;
+      const Session session(config, {.name = {}, .log = [](LogLevel, std::string_view) {}});
+      (void)session.Channels();        // It looks for other sessions from here on.
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): others will do it.
+    }
   }
 }
 
@@ -150,7 +159,7 @@ int RunCommand::Run(Surroundings& surroundings) {
   if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();
   const auto run = [&] {
     const int code = Starter(robot, graph, catalog, surroundings, options_).Run();
-    RemoveWhatWasLeft();
+    RemoveWhatWasLeft(robot);
     return code;
   };
   if (detach_) {
