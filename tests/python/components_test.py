@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import tempfile
+import time
 
 from support import DEADLINE_S, RobotTest, main, wait_until
 
