@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <thread>
 #include <vector>
 
@@ -73,7 +75,9 @@ TEST(PublishRate, StaysPlausibleWhileSeveralThreadsPublish) {
     const std::uint64_t count = sequence;
     const double hertz = rate.Hertz(count, time_of(count));
     EXPECT_GE(hertz, 0);
-    EXPECT_LE(hertz, 1100);
+    // Two threads may have counted a message and not noted it yet, which is much of the first few. The first that is
+    // noted may be the third.
+    EXPECT_LE(hertz, 1100 + 2000 / static_cast<double>(std::max<std::uint64_t>(count, 4) - 3));
   }
   for (std::thread& thread : threads) thread.join();
   // A thread that was interrupted before it noted its message may have noted an old one last. The next one mends that.
