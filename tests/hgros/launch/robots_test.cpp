@@ -138,7 +138,8 @@ TEST(HgrosRobots, RestartsNothingWhileTheRobotStarts) {
   ASSERT_TRUE(
       test::Await([&] { return RunToEnd({"ps"}, folder.environment()).out.find("starting") != std::string::npos; }));
   for (const char* name : {"a", "b", "p"}) {
-    EXPECT_THAT(RunToEnd({"restart", name}, folder.environment()).err, HasSubstr("The robot still starts, or ends already."));
+    EXPECT_THAT(RunToEnd({"restart", name}, folder.environment()).err,
+                HasSubstr("The robot still starts, or ends already."));
   }
   std::ofstream(folder.path("door")).close();
   ASSERT_TRUE(run.Prints("b  I run.")) << run.out();
