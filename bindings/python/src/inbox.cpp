@@ -4,8 +4,6 @@
 #include <utility>
 #include <variant>
 
-#include "hgros/clock/time.hpp"
-
 namespace hgros::python {
 namespace {
 
@@ -39,13 +37,12 @@ void Inbox::SetNode(const HandedOver& node) {
   node_ = node;
 }
 
-void Inbox::Begin(const MessageInfo& info) {
-  const std::scoped_lock lock(mutex_);
-  handled_ = Handled{node_, info, MonotonicNow()};
-}
-
 void Inbox::Finish(bool failed) {
-  if (handled_) handled_->node.CountRun(handled_->info, handled_->start_ns, MonotonicNow(), failed);
+  if (!handled_) return;
+  std::unique_lock lock(mutex_);
+  const HandedOver node = node_;
+  lock.unlock();
+  node.CountRun(handled_->info, handled_->start_ns, MonotonicNow(), failed);
   handled_.reset();
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arrival.hpp"
+#include "hgros/clock/time.hpp"
 #include "hgros/graph/handed_over.hpp"
 #include "hgros/graph/queue.hpp"
 #include "of_process.hpp"
@@ -40,8 +41,8 @@ class Inbox : public OfProcess {
   /// The node that fills the inbox, which counts what is dropped.
   void SetNode(const HandedOver& node);
   /// The node counts the message that Begin() names as handled once Finish() is called: not if Skip() was, or twice.
-  /// For the one thread that takes.
-  void Begin(const MessageInfo& info);
+  /// With the GIL.
+  void Begin(const MessageInfo& info) { handled_ = Handled{info, MonotonicNow()}; }
   void Finish(bool failed);
   void Skip() { handled_.reset(); }
   /// At most `most`, the oldest first; none if there is none.
@@ -73,7 +74,6 @@ class Inbox : public OfProcess {
   std::optional<Queue> queue_;
   HandedOver node_;
   struct Handled {
-    HandedOver node;
     MessageInfo info;
     std::int64_t start_ns;
   };
