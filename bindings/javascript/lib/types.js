@@ -6,6 +6,7 @@ const { HgrosError, invalid } = require('./errors');
 const { describe, addJsonNames } = require('./descriptors');
 const { Schema } = require('./schema');
 const { native } = require('./native');
+const { messageFault } = require('./values');
 
 let library;
 
@@ -91,17 +92,14 @@ class ProtobufForm {
 
   encode(message) {
     if (message === null || typeof message !== 'object') throw this.#refuse(`is ${String(message)}`);
-    if (!(message instanceof this.#type.ctor)) {
-      const unknown = Object.keys(message).find((name) => !(name in this.#type.fields));
-      if (unknown !== undefined) {
-        throw this.#refuse(`has no field "${unknown}"; the fields are ${Object.keys(this.#type.fields).join(', ')}`);
-      }
-    }
+    let fault;
     try {
-      return this.#type.encode(this.#type.fromObject(message)).finish(true);
+      fault = messageFault(this.#type, message);
+      if (fault === undefined) return this.#type.encode(this.#type.fromObject(message)).finish(true);
     } catch (error) {
       throw this.#refuse(`cannot be written: ${error.message}`);
     }
+    throw this.#refuse(fault);
   }
 
   decode(buffer) {
