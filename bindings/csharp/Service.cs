@@ -25,7 +25,7 @@ namespace Hgros {
         HgrosException.Check(Native.hgros_reply_set(reply, answer, (UIntPtr)(ulong)answer.LongLength));
       }, exception => {
         var refused = exception as HgrosException;
-        string sentence = Texts.WithoutZeros(refused?.Sentence ?? exception.Message);
+        string sentence = Texts.Mended(refused?.Sentence ?? exception.Message);
         HgrosException.Check(Native.hgros_reply_fail(reply, sentence));
       });
 

@@ -149,7 +149,7 @@ namespace Hgros {
     // Runs a callback of the program; what it throws is counted and goes to the log.
     internal void Run(string what, Action callback) => Callbacks.Run(callback, exception => {
       Interlocked.Increment(ref failedCallbacks);
-      string line = Texts.WithoutZeros((what + " threw " + exception).Replace(Environment.NewLine, " "));
+      string line = Texts.Mended((what + " threw " + exception).Replace(Environment.NewLine, " "));
       Native.hgros_session_log(handle, (int)LogLevel.Error, line);
     });
   }

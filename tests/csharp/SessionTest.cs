@@ -226,6 +226,19 @@ public static class SessionTest {
   }
 
   [Test]
+  public static void TextsWithHalfASurrogatePairAreRefused() {
+    string half = "words \ud83d";
+    using (var session = new Session()) {
+      Contains("surrogate", Fails(Code.InvalidArgument, () => session.Log(LogLevel.Info, half)));
+      Contains("surrogate", Fails(Code.InvalidArgument, () => session.AdvertiseRaw(half, Schema.Known("foxglove.Log"))));
+      Contains("surrogate", Fails(Code.InvalidArgument, () => session.OpenParams(half)));
+      using (session.Serve("fails", Log, Log, log => { throw new Exception(half); }))
+        Equal("words \ufffd",
+          Fails(Code.HandlerFailed, () => session.Call("fails", Log, Log, new DynamicMessage(Log), Patience)));
+    }  // It ends.
+  }
+
+  [Test]
   public static void TheLogGoesToTheProgram() {
     var lines = new BlockingCollection<string>();
     string file = Path.GetTempFileName();

@@ -59,3 +59,10 @@ test('ValuesInEveryFormThatFitsAreWritten', async (t) => {
     assert.deepStrictEqual((await subscription.take(patient)).message, message);
   }
 });
+
+test('TextsWithHalfASurrogatePairAreRefused', async (t) => {
+  const session = open(t);
+  for (const use of [() => session.log('info', 'a\ud83d'), () => session.subscribe('a\ud83d')]) {
+    assert.throws(use, { code: 'HGROS_INVALID_ARGUMENT', message: /surrogate/ });
+  }
+});

@@ -18,6 +18,9 @@ function text(value, what) {
   if (typeof value !== 'string' || value.includes('\0')) {
     throw invalid(`${what} is ${String(value)}, but must be a text without zero bytes.`);
   }
+  if (/\p{Surrogate}/u.test(value)) {
+    throw invalid(`${what} is ${JSON.stringify(value)}, but has half a surrogate pair, which UTF-8 does not have.`);
+  }
   return value;
 }
 

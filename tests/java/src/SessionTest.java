@@ -16,6 +16,8 @@ import org.hgros.Peer;
 import org.hgros.PeerEvent;
 import org.hgros.Publisher;
 import org.hgros.Schema;
+import org.hgros.PublishOptions;
+import org.hgros.ServeOptions;
 import org.hgros.Session;
 import org.hgros.SessionOptions;
 import org.hgros.SubscribeOptions;
@@ -162,6 +164,33 @@ final class SessionTest {
       String sentence = Expect.fails(Code.HANDLER_FAILED,
           () -> session.call("fails", Expect.TEXT, Expect.TEXT, Expect.PATIENCE));
       Expect.equal(sentence, "a b");
+    }
+  }
+
+  public static void textsWithHalfASurrogatePairAreRefused() throws Exception {
+    String half = "words \ud83d";
+    try (Session session = Expect.session("texts")) {
+      List<Expect.Action> uses = List.of(
+          () -> session.log(LogLevel.INFO, half),
+          () -> session.advertise(half, Expect.TEXT),
+          () -> session.paramsOf(half, Expect.PATIENCE));
+      for (Expect.Action use : uses) {
+        String sentence = Expect.fails(Code.INVALID_ARGUMENT, use);
+        Expect.holds(sentence.contains("surrogate"), sentence);
+      }
+    }
+  }
+
+  public static void negativeNumbersOfMessagesAreRefused() throws Exception {
+    List<Expect.Action> uses = List.of(
+        () -> new SubscribeOptions().keepLast(-1),
+        () -> new SubscribeOptions().keepAll(-1),
+        () -> new SubscribeOptions().keepAllBytes(-1),
+        () -> new PublishOptions().latched(-1),
+        () -> new ServeOptions().mostWaiting(-1));
+    for (Expect.Action use : uses) {
+      String sentence = Expect.fails(Code.INVALID_ARGUMENT, use);
+      Expect.holds(sentence.contains("is -1"), sentence);
     }
   }
 }

@@ -6,7 +6,7 @@ public final class PublishOptions {
 
   /** Number of recent messages kept for late subscribers. */
   public PublishOptions latched(long messages) {
-    latched = messages;
+    latched = Texts.count("latched", messages);
     return this;
   }
 }

@@ -7,7 +7,7 @@ public final class ServeOptions {
 
   /** Number of requests that may wait; further ones fail with {@link Code#FULL}. Default: 16384. */
   public ServeOptions mostWaiting(long requests) {
-    mostWaiting = requests;
+    mostWaiting = Texts.count("mostWaiting", requests);
     return this;
   }
 

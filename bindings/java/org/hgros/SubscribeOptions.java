@@ -15,19 +15,19 @@ public final class SubscribeOptions {
 
   /** Number of newest messages that may wait; older ones are dropped and counted. */
   public SubscribeOptions keepLast(long messages) {
-    keepLast = messages;
+    keepLast = Texts.count("keepLast", messages);
     return this;
   }
 
   /** Lossless, with room for this many. Publishers get {@link Code#FULL} meanwhile. */
   public SubscribeOptions keepAll(long messages) {
-    keepAll = messages;
+    keepAll = Texts.count("keepAll", messages);
     return this;
   }
 
   /** For keepAll: also at most about this many bytes; 0: no limit. */
   public SubscribeOptions keepAllBytes(long bytes) {
-    keepAllBytes = bytes;
+    keepAllBytes = Texts.count("keepAllBytes", bytes);
     return this;
   }
 }
