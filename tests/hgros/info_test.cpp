@@ -97,6 +97,13 @@ TEST(HgrosInfo, NamesTheNearestIfNothingHasTheName) {
             "hgros: No channel, session, node or service is called x. `hgros list` shows what there is.\n");
 }
 
+TEST(HgrosInfo, NothingHasTheEmptyName) {
+  PatrolRobot patrol;
+  const CommandEnd end = patrol.robot.Run({"info", ""});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.out, "");
+}
+
 TEST(HgrosInfo, DescribesAChannelWhosePublisherDoesNotAnswer) {
   RobotForCommands robot("patrol");
   const Subscription heard = robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {});

@@ -104,6 +104,10 @@ TEST_F(HgrosParam, CreatesAParameterOnlyIfAsked) {
   EXPECT_EQ(refused.err, "hgros: There is no parameter gain. Did you mean gains? With --create it is created.\n");
   EXPECT_EQ(robot_.Run({"param", "set", "robot", "gain", "1", "--create"}).status, 0);
   EXPECT_EQ(server_.Get<int>("gain"), 1);
+  const CommandEnd within = robot_.Run({"param", "set", "robot", "matcher", "{rnage: 2}"});
+  EXPECT_EQ(within.status, 1);
+  EXPECT_THAT(within.err, HasSubstr("hgros: There is no parameter matcher.rnage. Did you mean matcher.range?"));
+  EXPECT_EQ(robot_.Run({"param", "set", "robot", "matcher", "{range: 3}"}).status, 0);
   const CommandEnd odd = robot_.Run({"param", "set", "robot", "gain"});
   EXPECT_EQ(odd.status, 2);
   EXPECT_EQ(odd.err, "hgros: The last parameter, gain, has no value.\n");

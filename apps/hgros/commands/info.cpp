@@ -58,7 +58,8 @@ std::vector<Sheet> Find(const KnownRobot& robot, const std::string& name) {
     }
   }
   for (const KnownChannel& channel : robot.channels) {
-    if (ServiceOf(channel.name) == name) found.push_back(DescribeService(robot, channel));
+    const std::string_view service = ServiceOf(channel.name);
+    if (!service.empty() && service == name) found.push_back(DescribeService(robot, channel));
   }
   return found;
 }

@@ -12,12 +12,19 @@
 namespace hgros::cli {
 namespace {
 
+// Throws if a parameter does not exist, also one within a map that is set. What is within lists is a value.
+void RequireExisting(const ParamView& all, const ParamPath& path, const ParamNode* value) {
+  (void)Existing(all, path.ToString(), " With --create it is created.");
+  if (value == nullptr || value->kind != ParamNode::Kind::kMap) return;
+  for (const auto& [key, inner] : value->entries) RequireExisting(all, path.Below(key), inner.get());
+}
+
 // Changes them and shows what is different afterwards.
 void Apply(OfferedParams& params, const std::vector<ParamChange>& changes, bool create, const OutputStyle& style,
            Console& console) {
   const ParamView before = params.Snapshot();
   for (const ParamChange& change : changes) {
-    if (!create) (void)Existing(before, change.path, " With --create it is created.");
+    if (!create) RequireExisting(before, ParamPath::Parse(change.path), change.value ? &*change.value : nullptr);
   }
   params.Change(changes, create ? IfMissing::kCreate : IfMissing::kRefuse);
   const ParamView after = params.Snapshot();

@@ -9,6 +9,7 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kSavePatience{200};
+constexpr std::chrono::seconds kBetweenEqualFaults{10};
 constexpr std::chrono::seconds kRestartPatience{3};        // Of 5 s that the starter waits for the next instance.
 constexpr Duration kRarestLook = std::chrono::seconds(1);  // A callback that returns needs none.
 
@@ -127,9 +128,19 @@ void HostedComponents::Save(Hosted& one) {
   try {
     state = components_.Save(name, kSavePatience);
   } catch (const std::exception& error) {
-    return reports_.Line(name, LogLevel::kWarning, "There is no new checkpoint: " + std::string(error.what()));
+    return SayNotSaved(one, error.what());
   }
+  one.save_fault.clear();
   if (state != nullptr) Keep(one, state);
+}
+
+// A Save() that fails each time would fill the log.
+void HostedComponents::SayNotSaved(Hosted& one, const std::string& why) {
+  const auto now = Clock::now();
+  if (one.save_fault == why && now < one.save_fault_again) return;
+  one.save_fault = why;
+  one.save_fault_again = now + kBetweenEqualFaults;
+  reports_.Line(one.setup->setup.name, LogLevel::kWarning, "There is no new checkpoint: " + why);
 }
 
 void HostedComponents::Keep(Hosted& one, const std::shared_ptr<const RawMessage>& state) {

@@ -74,6 +74,8 @@ class HostedComponents {
     Clock::time_point look_at = Clock::time_point::max();  // For a callback that does not return.
     std::string saved{};                                   // The bytes of the last one.
     bool too_large = false;                                // Was said.
+    std::string save_fault{};                              // Why it could not be saved: of the last line about it,
+    Clock::time_point save_fault_again{};                  // which may come again then.
     bool moving = false;                                   // From or to another place.
     ComponentState state = ComponentState::kWired;         // Guarded by mutex_, as the rest.
     std::uint64_t exceptions = 0;                          // That have been handled.
@@ -89,6 +91,7 @@ class HostedComponents {
   // Those that were changed, because of `error`.
   void ForgetParams(Hosted& one, const Error& error);
   void Save(Hosted& one);
+  void SayNotSaved(Hosted& one, const std::string& why);
   void Keep(Hosted& one, const std::shared_ptr<const RawMessage>& state);
   void Restart(Hosted& one);
   void Forget(Hosted& one);

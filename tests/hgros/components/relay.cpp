@@ -117,6 +117,7 @@ class Counter {
     context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair& word) {
       if (word.value() == "throw") throw std::runtime_error("it does not know this word");
       if (word.value() == "fail") context_.Fail("this word breaks it");
+      if (word.value() == "secret") secret_ = true;
       if (word.value() == "slow") Wait(std::chrono::milliseconds(500));
       while (word.value() == "hang") Wait(std::chrono::hours(1));
       count_ += static_cast<int>(context_.params().Get<int>("step"));
@@ -125,7 +126,10 @@ class Counter {
     });
   }
   void Activate() { Say("begins at"); }
-  [[nodiscard]] KeyValuePair Save() const { return *Numbered(count_); }
+  [[nodiscard]] KeyValuePair Save() const {
+    if (secret_) throw std::runtime_error("its state is secret");
+    return *Numbered(count_);
+  }
   void Restore(const KeyValuePair& state) { count_ = std::stoi(state.value()); }
 
  private:
@@ -141,6 +145,7 @@ class Counter {
   int step_;
   hgros::Publisher<KeyValuePair> counts_;
   int count_ = 0;
+  bool secret_ = false;
   std::mutex mutex_;
   std::condition_variable never_;
 };

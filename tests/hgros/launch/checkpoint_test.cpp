@@ -93,6 +93,17 @@ TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsStartsItsProcessAgain) {
   EXPECT_TRUE(robot.Prints("counts 2."));
 }
 
+TEST(HgrosCheckpoint, ASaveThatFailsEachTimeIsToldNowAndThen) {
+  RunningRobot robot(kCounter);
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  robot.Say("secret");
+  ASSERT_TRUE(robot.Prints("There is no new checkpoint: "));
+  for (int i = 0; i < 3; ++i) AwaitCheckpoint();
+  const std::string out = robot.out();
+  EXPECT_THAT(out, HasSubstr("its state is secret"));
+  EXPECT_EQ(out.find("There is no new checkpoint: "), out.rfind("There is no new checkpoint: ")) << out;
+}
+
 // Also without checkpoints.
 TEST(HgrosCheckpoint, ARestartOfAComponentKeepsItsStateAndItsParameters) {
   RunningRobot robot(
