@@ -6,6 +6,7 @@ import time
 from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
+from hgros import _hgros
 from foxglove.LaserScan_pb2 import LaserScan
 from foxglove.Log_pb2 import Log
 
@@ -365,6 +366,15 @@ class Subscribing(RobotTest):
             robot.start()
             robot.stop()
             self.assertFalse(robot._thread.is_alive())
+
+    def test_wake_up_that_comes_just_before_the_wait_ends_it(self):
+        robot = self.session()
+        for ready in (robot._ready, _hgros.ReadyList()):
+            ready.take()
+            ready.wake()
+            begin = time.monotonic()
+            self.assertEqual(ready.wait(DEADLINE_S), [])
+            self.assertLess(time.monotonic() - begin, DEADLINE_S / 2)
 
 
 class Iterating(RobotTest):

@@ -109,8 +109,6 @@ class SignalWaker {
   int before_ = -1;
 };
 
-// More is as good as forever.
-
 timespec TimeLeft(Clock::time_point deadline) {
   const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(deadline - Clock::now());
   if (left.count() <= 0) return {};
@@ -142,12 +140,17 @@ void ReadyList::Wake() {
 }
 
 std::vector<int> ReadyList::Take() {
+  bool rung = false;
+  return TakeIfRung(rung);
+}
+
+std::vector<int> ReadyList::TakeIfRung(bool& rung) {
   RefuseInChild();
   const std::scoped_lock lock(mutex_);
-  if (rung_) {
+  rung = std::exchange(rung_, false);
+  if (rung) {
     std::uint64_t count = 0;
     [[maybe_unused]] const auto read_bytes = read(descriptor_, &count, sizeof count);
-    rung_ = false;
   }
   return std::exchange(keys_, {});
 }
@@ -170,8 +173,9 @@ void ReadyList::Relax() {
 }
 
 std::vector<int> ReadyList::Wait(double timeout_s) {
-  std::vector<int> keys = Take();
-  if (!keys.empty()) return keys;
+  bool rung = false;
+  std::vector<int> keys = TakeIfRung(rung);
+  if (rung) return keys;  // Perhaps without a key: what Wake() tells may have come after the caller's last look.
   const bool forever = timeout_s < 0 || timeout_s > kLongestWaitS || std::isnan(timeout_s);
   const auto deadline = forever ? Clock::time_point::max() : Clock::now() + Nanoseconds(timeout_s);
   while (true) {

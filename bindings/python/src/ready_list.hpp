@@ -20,7 +20,7 @@ class ReadyList : public OfProcess {
   ~ReadyList();
 
   void Add(int key);
-  /// Lets one Wait() return without a key.
+  /// Lets one Wait() return without a key, also the next one.
   void Wake();
   /// The keys that were added since the last call, in their order; never waits.
   [[nodiscard]] std::vector<int> Take();
@@ -38,6 +38,7 @@ class ReadyList : public OfProcess {
 
  private:
   void RingLocked() noexcept;
+  [[nodiscard]] std::vector<int> TakeIfRung(bool& rung);
 
   std::mutex mutex_;
   std::vector<int> keys_;
