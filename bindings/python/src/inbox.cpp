@@ -38,6 +38,7 @@ void Inbox::SetNode(const HandedOver& node) {
 }
 
 void Inbox::Finish(bool failed) {
+  if (of_parent()) handled_.reset();  // The callback has forked, perhaps while another thread held the mutex.
   if (!handled_) return;
   std::unique_lock lock(mutex_);
   const HandedOver node = node_;
