@@ -19,7 +19,8 @@ def is_tracers_fault(output):
 
 def main():
     logs = pathlib.Path(sys.argv[1], "Testing", "Temporary")
-    failed = {line.split(":", 1)[1] for line in (logs / "LastTestsFailed.log").read_text().splitlines()}
+    names = logs / "LastTestsFailed.log"  # Missing if no test has run.
+    failed = {line.split(":", 1)[1] for line in names.read_text().splitlines()} if names.exists() else set()
     outputs = {}
     for part in re.split(r"(?m)^\d+/\d+ Testing: ", (logs / "LastTest.log").read_text(errors="replace"))[1:]:
         outputs[part.split("\n", 1)[0]] = part
