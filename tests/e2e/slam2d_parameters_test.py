@@ -56,9 +56,9 @@ class Slam2dParameters(Slam2dTest):
 
     def test_each_component_offers_its_parameters_with_unit_and_bounds(self):
         running = self.start("three_processes.yaml", SLOW)
-        self.hgros_until_it_works(running, "param", "get", "mapper", "cell_size_m")
-        listed = json.dumps([json.loads(line) for name in ("source", "matcher", "mapper", "writer")
-                             for line in self.hgros("param", "describe", name, "--json").stdout.splitlines()])
+        described = [self.hgros_until_it_works(running, "param", "describe", name, "--json").stdout
+                     for name in ("source", "matcher", "mapper", "writer")]
+        listed = json.dumps([json.loads(line) for out in described for line in out.splitlines()])
         for name in ("rate", "revisit.lag_m", "cell_size_m", "relations", "edge of a cell", "rad/m"):
             self.assertIn(name, listed)
         self.set_param(running, "source", "rate", 0)
