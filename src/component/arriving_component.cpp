@@ -4,6 +4,7 @@
 #include <exception>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "component/components_core.hpp"
@@ -18,40 +19,59 @@ namespace {
 
 constexpr std::chrono::seconds kInputPatience{10};
 constexpr int kMostAtOnce = 256;
+constexpr std::size_t kMostEarly = 1024;  // From then on messages wait in the gate, and in the queue behind it.
 
 }  // namespace
 
 class ArrivingComponent::Core {
  public:
   struct Stream {
-    StreamPosition handled;                  // The last message that was handled, in either place.
-    bool own = false;                        // A message has shown that all later ones come by themselves.
+    StreamPosition there{};                  // The last message that was handled in the other place.
+    StreamPosition handled{};                // The last message that was handled, in either place.
+    std::optional<StreamPosition> own{};     // From here on, all come by themselves.
     bool complete = false;                   // Everything behind the last one that was handled comes by itself.
     std::deque<InputGate::Waiting> early{};  // Came by themselves; the other place may still have some before them.
+
+    void UseNumbers() {
+      there.UseNumbers();
+      handled.UseNumbers();
+      if (own) own->UseNumbers();
+    }
   };
   struct Input {
     std::shared_ptr<InputGate> gate;
     std::map<MessageSender, Stream> streams{};
+    std::size_t early = 0;  // In all streams.
   };
 
   Core(Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
       : components(its_components), one(its_one), wake(std::move(its_wake)) {}
 
   void Handle(Input& input, const InputGate::Waiting& waiting) { one.Handle(*input.gate, waiting); }
+  // Whether it takes this one although a later one was handled already.
+  static bool IsLate(const Input& input, const Stream& stream, const MessageInfo& info) {
+    return input.gate->takes_late() && stream.handled.Misses(info);
+  }
+  void HandleOwn(Input& input, Stream& stream, const InputGate::Waiting& waiting) {
+    // A late one that the other place does not hand over.
+    const bool late =
+        IsLate(input, stream, waiting.info) && (finished || (stream.own && stream.own->Ahead(waiting.info) >= 0));
+    if (stream.handled.Ahead(waiting.info) <= 0 && !late) return;
+    stream.handled.Note(waiting.info);
+    Handle(input, waiting);
+  }
   // A message that came by itself. False: it is too early.
   bool TakeOwn(Input& input, Stream& stream, const InputGate::Waiting& waiting) {
     const MessageInfo& info = waiting.info;
-    if (!info.remote) stream.handled.by_number = true;
+    if (!info.remote) stream.UseNumbers();
     const bool settled = info.publish_monotonic_ns > settled_ns;
-    if (settled && !std::exchange(stream.own, true)) {
+    if (settled && !stream.own) {
+      stream.own.emplace().Note(info);
       own.push_back({input.gate->node(), info.id, info.number, info.remote});
     }
     const std::int64_t ahead = stream.handled.Ahead(info);
     if (ahead > 1 && !stream.complete && !finished) return false;
-    if (ahead > 0) {
-      stream.handled.Note(info);
-      Handle(input, waiting);
-    }
+    HandleOwn(input, stream, waiting);
     stream.complete = stream.complete || settled;
     return true;
   }
@@ -62,11 +82,17 @@ class ArrivingComponent::Core {
       return;
     }
     Stream& stream = input.streams[SenderOf(waiting.info.id)];
-    if (!stream.early.empty() || !TakeOwn(input, stream, waiting)) stream.early.push_back(std::move(waiting));
+    if (stream.early.empty() && TakeOwn(input, stream, waiting)) return;
+    stream.early.push_back(std::move(waiting));
+    ++input.early;
   }
 
   void TakeEarly(Input& input, Stream& stream) {
-    while (!stream.early.empty() && TakeOwn(input, stream, stream.early.front())) stream.early.pop_front();
+    while (!stream.early.empty() && TakeOwn(input, stream, stream.early.front())) PopEarly(input, stream);
+  }
+  static void PopEarly(Input& input, Stream& stream) {
+    stream.early.pop_front();
+    --input.early;
   }
 
   // Those that the other place has skipped.
@@ -74,10 +100,8 @@ class ArrivingComponent::Core {
     while (!stream.early.empty()) {
       const InputGate::Waiting waiting = stream.early.front();
       if (stream.handled.Ahead(waiting.info) >= stream.handled.Ahead(handed)) return;
-      stream.early.pop_front();
-      if (stream.handled.Ahead(waiting.info) <= 0) continue;
-      stream.handled.Note(waiting.info);
-      Handle(input, waiting);
+      PopEarly(input, stream);
+      HandleOwn(input, stream, waiting);
     }
   }
 
@@ -142,7 +166,9 @@ void ArrivingComponent::Restore(const MovingState& moving) {
     for (Core::Input& input : core_->inputs) {
       if (input.gate->node() == position.input) {
         const MessageInfo info = MessageAt(position);
-        input.streams[SenderOf(info.id)].handled.Note(info);
+        Core::Stream& stream = input.streams[SenderOf(info.id)];
+        stream.there.Note(info);
+        stream.handled.Note(info);
         input.gate->NotePosition(info);
       }
     }
@@ -171,7 +197,7 @@ bool ArrivingComponent::Work() {
   if (!core_->begun) return false;
   bool more = false;
   for (Core::Input& input : core_->inputs) {
-    for (int i = 0; true; ++i) {
+    for (int i = 0; input.early < kMostEarly; ++i) {
       more = more || i == kMostAtOnce;
       if (i == kMostAtOnce) break;  // Under load, more come all the time.
       auto waiting = input.gate->Next();
@@ -203,8 +229,10 @@ void ArrivingComponent::Hand(const MovingMessage& message) {
   }
   if (message.info.number == 0) return core_->Handle(input, waiting);
   Core::Stream& stream = input.streams[SenderOf(message.info.id)];
-  if (!message.info.remote) stream.handled.by_number = true;
-  if (stream.handled.Ahead(message.info) > 0) {
+  if (!message.info.remote) stream.UseNumbers();
+  // The other place has handled none of those that it hands over, so those up to its position were overtaken there.
+  if (stream.handled.Ahead(message.info) > 0 || stream.there.Ahead(message.info) <= 0 ||
+      Core::IsLate(input, stream, message.info)) {
     core_->HandleBefore(input, stream, message.info);
     stream.handled.Note(message.info);
     core_->Handle(input, waiting);

@@ -14,11 +14,21 @@ constexpr std::size_t kFewWaiting = kMostWaiting / 2;  // Then the subscription 
 constexpr std::chrono::milliseconds kDrainPatience{100};
 constexpr std::size_t kMostPublishers = 256;  // Whose positions are known.
 
+auto Find(auto& positions, const MessageInfo& info) {
+  return std::ranges::find_if(positions, [sender = SenderOf(info.id)](const InputGate::Position& one) {
+    return SenderOf(one.last.id) == sender;
+  });
+}
+
 }  // namespace
 
-InputGate::InputGate(std::string node, const TypeInfo& type, AnyCallback callback,
+InputGate::InputGate(std::string node, const TypeInfo& type, bool takes_late, AnyCallback callback,
                      std::shared_ptr<ComponentGuard> guard)
-    : node_(std::move(node)), type_(type), callback_(std::move(callback)), guard_(std::move(guard)) {}
+    : node_(std::move(node)),
+      type_(type),
+      takes_late_(takes_late),
+      callback_(std::move(callback)),
+      guard_(std::move(guard)) {}
 
 bool InputGate::TrySuspend() {
   if (suspend_) return true;
@@ -43,9 +53,8 @@ void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
       room_.wait(lock, [this] {
         return state_ != State::kHolds || waiting_.size() < kMostWaiting || full_ == Full::kDropsOldest || suspend_;
       });
-      if (state_ == State::kClosed) return;
+      if (state_ == State::kClosed || Skips(info)) return;
       if (state_ == State::kPasses) {
-        if (!skipped_.empty() && Skips(info)) return;
         Note(info);
       } else {
         if (waiting_.size() >= kMostWaiting && full_ == Full::kDropsOldest) {
@@ -119,30 +128,27 @@ void InputGate::Handle(const Waiting& waiting) {
 
 void InputGate::Note(const MessageInfo& info) {
   if (info.number == 0) return;
-  const auto found = std::ranges::find_if(positions_, [&](const MessageInfo& one) {
-    return one.id.publisher == info.id.publisher && one.id.incarnation == info.id.incarnation;
-  });
+  const auto found = Find(positions_, info);
   if (found == positions_.end()) {
     if (positions_.size() == kMostPublishers) positions_.erase(positions_.begin());
-    positions_.push_back(info);
+    positions_.push_back({info});
     return;
   }
   // Here and over a transport, a message has two sequence numbers.
-  const std::uint64_t before = found->remote == info.remote ? found->id.sequence : 0;
-  found->id.sequence = std::max(before, info.id.sequence);
-  found->number = std::max(found->number, info.number);
-  found->remote = info.remote;
+  MessageInfo& last = found->last;
+  const std::uint64_t before = last.remote == info.remote ? last.id.sequence : 0;
+  last.id.sequence = std::max(before, info.id.sequence);
+  found->gaps.Note(last.number, info.number);
+  last.number = std::max(last.number, info.number);
+  last.remote = info.remote;
 }
 
-bool InputGate::Skips(const MessageInfo& info) {
-  const auto found = std::ranges::find_if(skipped_, [&](const MessageInfo& one) {
-    return one.id.publisher == info.id.publisher && one.id.incarnation == info.id.incarnation;
-  });
-  if (found == skipped_.end()) return false;
-  const bool handled =
-      info.remote && found->remote ? info.id.sequence <= found->id.sequence : info.number <= found->number;
-  if (!handled) skipped_.erase(found);
-  return handled;
+bool InputGate::Skips(const MessageInfo& info) const {
+  const auto found = Find(skipped_, info);
+  if (found == skipped_.end() || info.number == 0) return false;
+  const MessageInfo& last = found->last;
+  const bool passed = info.remote && last.remote ? info.id.sequence <= last.id.sequence : info.number <= last.number;
+  return passed && !(takes_late_ && found->gaps.Has(info.number));
 }
 
 void InputGate::NotePosition(const MessageInfo& last) {
@@ -150,7 +156,7 @@ void InputGate::NotePosition(const MessageInfo& last) {
   Note(last);
 }
 
-std::vector<MessageInfo> InputGate::Positions() const {
+std::vector<InputGate::Position> InputGate::Positions() const {
   const std::scoped_lock lock(mutex_);
   return positions_;
 }

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "component/component_guard.hpp"
+#include "component/number_gaps.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/codec/type_info.hpp"
 #include "hgros/internal/graph/callback.hpp"
@@ -40,10 +41,19 @@ class InputGate {
     AnyMessage message;
     MessageInfo info;
   };
-  InputGate(std::string node, const TypeInfo& type, AnyCallback callback, std::shared_ptr<ComponentGuard> guard);
+  // How far the callback has come with one publisher.
+  struct Position {
+    MessageInfo last;   // Without the rest of what is known of the message.
+    NumberGaps gaps{};  // By MessageInfo::number; also of messages that were not sent here.
+  };
+  // `takes_late`: also wants messages that a later one of the same publisher has overtaken on the way. A serial input
+  // that keeps only the newest does not.
+  InputGate(std::string node, const TypeInfo& type, bool takes_late, AnyCallback callback,
+            std::shared_ptr<ComponentGuard> guard);
 
   [[nodiscard]] const std::string& node() const noexcept { return node_; }
   [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
+  [[nodiscard]] bool takes_late() const noexcept { return takes_late_; }
 
   // When very many wait. kWaits: the others wait in the queue of the subscription, so that the publisher's limits hold
   // here, too; without a queue, the thread that brings one more waits. kDropsOldest: they are not needed, because the
@@ -59,7 +69,8 @@ class InputGate {
   // Calls `handle` for those that wait, and lets messages pass again. Meanwhile the subscription brings few more,
   // because a publisher can be faster than `handle`: they wait in its queue. Without a queue, a thread that brings one
   // waits, but at most 100 ms, because `handle` may wait for such a thread. With `skip_handled`, messages up to the
-  // position of their publisher are dropped from then on: they were handled in another place.
+  // position of their publisher are dropped from then on, but not those in its gaps: they were handled in another
+  // place.
   void Pass(const std::function<void(Waiting)>& handle, bool skip_handled);
   // The component ends. If messages wait, they are dropped, and those that come as well.
   void Close();
@@ -68,8 +79,8 @@ class InputGate {
   void Replace(AnyCallback callback) { callback_ = std::move(callback); }
   // Calls the callback on this thread. Its exception is thrown.
   void Handle(const Waiting& waiting);
-  // The last message of each publisher that was given to the callback, here or in another place.
-  [[nodiscard]] std::vector<MessageInfo> Positions() const;
+  // Of each publisher, here or in another place.
+  [[nodiscard]] std::vector<Position> Positions() const;
   void NotePosition(const MessageInfo& last);
 
  private:
@@ -80,11 +91,12 @@ class InputGate {
   [[nodiscard]] bool TrySuspend();
   // Messages come again; the lock is held.
   void Continue();
-  // Whether it was handled in another place. Forgets the publisher's position there behind the first that was not.
-  [[nodiscard]] bool Skips(const MessageInfo& info);
+  // Whether it was handled in another place.
+  [[nodiscard]] bool Skips(const MessageInfo& info) const;
 
   const std::string node_;
   const TypeInfo& type_;
+  const bool takes_late_;
   AnyCallback callback_;
   const std::shared_ptr<ComponentGuard> guard_;
 
@@ -96,8 +108,8 @@ class InputGate {
   std::deque<Waiting> waiting_;
   std::function<void(bool)> suspend_;      // Set while more wait in the queue of the subscription.
   std::optional<std::thread::id> drains_;  // Which thread handles them until none waits.
-  std::vector<MessageInfo> skipped_;       // Up to where messages were handled in another place.
-  std::vector<MessageInfo> positions_;     // Of each publisher, without the rest of what is known of the message.
+  std::vector<Position> skipped_;          // Up to where messages were handled in another place.
+  std::vector<Position> positions_;
 };
 
 }  // namespace hgros

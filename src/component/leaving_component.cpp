@@ -1,5 +1,6 @@
 // The old place of a component that moves.
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <map>
 #include <utility>
@@ -13,14 +14,30 @@
 
 namespace hgros {
 
+namespace {
+
+// How long messages that later ones have overtaken may still be on the way to the input.
+constexpr std::chrono::milliseconds kOvertakenPatience{100};
+
+}  // namespace
+
 class LeavingComponent::Core {
  public:
   enum class Stage { kRuns, kHeld, kLeft };
   struct Stream {
     StreamPosition last;                  // Handled here, or handed over.
     std::optional<StreamPosition> own{};  // From here on the messages come to the other place by themselves.
-    bool passed = false;                  // There is nothing more to hand over.
-    void Pass(const MessageInfo& info) { passed = passed || (own && own->Ahead(info) >= 0); }
+    // Since when all before that was handed over, or never came.
+    std::optional<std::chrono::steady_clock::time_point> passed{};
+
+    [[nodiscard]] bool IsOwn(const MessageInfo& info) const { return own && own->Ahead(info) >= 0; }
+    void Pass() {
+      if (!passed) passed = std::chrono::steady_clock::now();
+    }
+    // There is nothing more to hand over.
+    [[nodiscard]] bool ended() const {
+      return passed && (!last.misses_any() || std::chrono::steady_clock::now() - *passed >= kOvertakenPatience);
+    }
   };
 
   Core(Session& its_session, Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
@@ -79,9 +96,11 @@ MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId 
     core_->stage = Core::Stage::kHeld;
   });
   for (const auto& gate : core_->gates) {
-    for (const MessageInfo& last : gate->Positions()) {
+    for (const auto& [last, gaps] : gate->Positions()) {
       moving.positions.push_back({gate->node(), last.id, last.number, last.remote});
-      core_->streams[gate->node()].emplace(SenderOf(last.id), Core::Stream{}).first->second.last.Note(last);
+      StreamPosition& position = core_->streams[gate->node()][SenderOf(last.id)].last;
+      position.Note(last);
+      position.NoteGaps(gaps);
     }
   }
   std::vector<std::string> outputs;
@@ -125,10 +144,12 @@ std::optional<MovingMessage> LeavingComponent::Next() {
     while (auto waiting = gate->Next()) {
       if (waiting->info.number != 0) {
         Core::Stream& stream = core_->streams[gate->node()][SenderOf(waiting->info.id)];
-        if (stream.passed) continue;
-        // Also the first one that comes by itself: it shows that there is nothing more before it.
+        const bool own = stream.IsOwn(waiting->info);
+        if (own && stream.passed) continue;
+        // Also the first one that comes by itself: it shows that there is nothing more before it, except for those that
+        // it has overtaken.
         stream.last.Note(waiting->info);
-        stream.Pass(waiting->info);
+        if (own) stream.Pass();
       }
       std::optional<RawMessage> message = core_->Write(*gate, waiting->message);
       if (message) return MovingMessage{gate->node(), waiting->info, std::move(*message)};
@@ -141,12 +162,12 @@ void LeavingComponent::Passed(const InputPosition& position) {
   Core::Stream& stream = core_->streams[position.input][SenderOf(position.last)];
   const MessageInfo first = MessageAt(position);
   stream.own.emplace().Note(first);
-  stream.passed = stream.last.Ahead(first) <= 1;
+  if (stream.last.Ahead(first) <= 1) stream.Pass();
 }
 
 bool LeavingComponent::all_passed() const {
   return std::ranges::all_of(core_->streams, [](const auto& input) {
-    return std::ranges::all_of(input.second, [](const auto& stream) { return stream.second.passed; });
+    return std::ranges::all_of(input.second, [](const auto& stream) { return stream.second.ended(); });
   });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "component/number_gaps.hpp"
 #include "hgros/component/component_move.hpp"
 #include "hgros/graph/message_info.hpp"
 
@@ -18,21 +19,34 @@ inline MessageInfo MessageAt(const InputPosition& position) {
 }
 
 // How far the messages of one publisher have come.
-struct StreamPosition {
-  std::uint64_t sequence = 0;
-  std::uint64_t number = 0;
-  bool by_number = false;  // One of the places is in the publisher's process: only numbers are the same in both.
-
+class StreamPosition {
+ public:
+  // One of the places is in the publisher's process: only numbers are the same in both.
+  void UseNumbers() noexcept { by_number_ = true; }
   // How many messages this one is behind the position; 0 or less: it came before or is the last one.
   [[nodiscard]] std::int64_t Ahead(const MessageInfo& info) const {
-    return by_number || !info.remote ? static_cast<std::int64_t>(info.number - number)
-                                     : static_cast<std::int64_t>(info.id.sequence - sequence);
+    return by_number_ || !info.remote ? static_cast<std::int64_t>(info.number - number_)
+                                      : static_cast<std::int64_t>(info.id.sequence - sequence_);
   }
+  // A later message has come, but not this one.
+  [[nodiscard]] bool Misses(const MessageInfo& info) const { return gaps_.Has(info.number); }
+  [[nodiscard]] bool misses_any() const noexcept { return !gaps_.empty(); }
   void Note(const MessageInfo& info) {
-    by_number = by_number || !info.remote;
-    if (info.remote) sequence = std::max(sequence, info.id.sequence);
-    number = std::max(number, info.number);
+    gaps_.Note(number_, info.number);
+    if (info.remote) {
+      sequence_ = std::max(sequence_, info.id.sequence);
+    } else {
+      UseNumbers();
+    }
+    number_ = std::max(number_, info.number);
   }
+  void NoteGaps(const NumberGaps& gaps) { gaps_ = gaps; }
+
+ private:
+  std::uint64_t sequence_ = 0;
+  std::uint64_t number_ = 0;
+  bool by_number_ = false;
+  NumberGaps gaps_;  // Also of messages that were not sent here.
 };
 
 }  // namespace hgros

@@ -74,6 +74,8 @@ class Relay {
     context.FromAny<PoseInFrame>("all", Invoke::kSerial, take, {.queue = Queue::KeepAll(10'000)});
     context.FromAny<PoseInFrame>("newest", Invoke::kSerial, take, {.queue = Queue::KeepLast(4)});
     context.FromAny<PoseInFrame>("latched", Invoke::kSerial, take, {.queue = Queue::KeepAll(10'000)});
+    context.FromAny<PoseInFrame>("concurrent", Invoke::kConcurrent, take, {.queue = Queue::KeepAll(10'000)});
+    context.FromAny<PoseInFrame>("shared", Invoke::kSerial, take, {.queue = Queue::KeepAll(10'000)});
     context.Serve<PoseInFrame, PoseInFrame>("count", [this](const PoseInFrame&) {
       const std::scoped_lock lock(mutex_);
       return Text(std::to_string(count_));
@@ -140,10 +142,9 @@ class ComponentMoveModelTest : public DomainFixture {
     });
   }
   void See(const PoseInFrame& pose) {
-    std::istringstream text(pose.frame_id());
-    std::string tag;
-    int number = 0;
-    text >> tag >> number;
+    const std::size_t last_space = pose.frame_id().rfind(' ');
+    const std::string tag = pose.frame_id().substr(0, last_space);
+    const int number = std::stoi(pose.frame_id().substr(last_space));
     const std::scoped_lock lock(mutex_);
     seen_[tag].push_back(number);
     ++seen_count_;
@@ -237,6 +238,12 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
   threads.push_back(Publishing(outside_, "newest", "newest", {}, std::chrono::microseconds(300), seed + 2));
   threads.push_back(
       Publishing(outside_, "latched", "latched", {.latched = 1}, std::chrono::microseconds(2000), seed + 3));
+  threads.push_back(Publishing(outside_, "concurrent", "concurrent", {}, std::chrono::microseconds(500), seed + 4));
+  threads.push_back(
+      Publishing(publishing.session, "concurrent", "concurrent near", {}, std::chrono::microseconds(500), seed + 5));
+  for (const char* tag : {"shared one", "shared two"}) {  // Two threads publish at once.
+    threads.push_back(Publishing(publishing.session, "shared", tag, {}, std::chrono::microseconds(500), seed + 6));
+  }
   threads.emplace_back([this] { CallUntilEnd(); });
   // The first messages of a publisher that begins in the middle of a move may come before it knows the new place.
   ASSERT_TRUE(Await([&] { return !SeenOf("far").empty() && !SeenOf("near").empty() && !SeenOf("latched").empty(); }));
@@ -257,6 +264,16 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
     const std::vector<int> seen = SeenOf(lossless);
     const auto fault = std::ranges::mismatch(seen, published);
     EXPECT_TRUE(seen == published) << lossless << ": " << seen.size() << " of " << published.size()
+                                   << " messages. After " << fault.in2 - published.begin() << " comes "
+                                   << (fault.in1 == seen.end() ? 0 : *fault.in1);
+  }
+  for (const char* unordered : {"concurrent", "concurrent near", "shared one", "shared two"}) {
+    const std::vector<int> published = PublishedOf(unordered);
+    (void)Await([&] { return SeenOf(unordered).size() >= published.size(); });
+    std::vector<int> seen = SeenOf(unordered);
+    std::ranges::sort(seen);
+    const auto fault = std::ranges::mismatch(seen, published);
+    EXPECT_TRUE(seen == published) << unordered << ": " << seen.size() << " of " << published.size()
                                    << " messages. After " << fault.in2 - published.begin() << " comes "
                                    << (fault.in1 == seen.end() ? 0 : *fault.in1);
   }

@@ -27,6 +27,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::ThrowsMessage;
+using testing::UnorderedElementsAreArray;
 
 PoseInFrame Numbered(int number) {
   PoseInFrame pose;
@@ -241,6 +242,41 @@ TEST_F(ComponentMoveTest, TheOldPlaceHandsOverNothingThatTheNewOneHasItself) {
     return seen().size() == static_cast<std::size_t>(number);
   });
   EXPECT_EQ(seen(), UpTo(number));
+}
+
+// As if a thread that brings a message were held up until a later one was handled.
+TEST_F(ComponentMoveTest, HandlesWhatWasOvertakenInTheOldPlaceOnce) {
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  for (int number = 1; number <= 5; ++number) Publish(number);
+  ASSERT_TRUE(SeesUpTo(5));
+  std::atomic<int> waiting = 0;
+  LeavingComponent leaving(one.components, "adder", [&] { ++waiting; });
+  ArrivingComponent arriving(other.components, AdderSetup(), [] {});
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 2, kPatience));
+  ASSERT_TRUE(other.session.WaitForSubscribers("passed", 1, kPatience));
+  arriving.Restore(leaving.Hold(std::chrono::seconds(1)));
+  arriving.Begin();
+  leaving.Leave();
+  for (int number = 6; number <= 9; ++number) Publish(number);
+  ASSERT_TRUE(Await([&] { return waiting == 4; }));
+  std::vector<MovingMessage> handed;
+  while (auto message = leaving.Next()) handed.push_back(std::move(*message));
+  ASSERT_EQ(handed.size(), 4U);
+  MovingMessage overtaken = handed.front();  // Published before the last one that was handled in the old place.
+  overtaken.info.number -= 2;
+  overtaken.info.id.sequence -= 2;
+  overtaken.message = RawMessage{handed.front().message.schema, {}};
+  for (const std::size_t i : {1, 0, 3, 2}) arriving.Hand(handed.at(i));
+  EXPECT_TRUE(Await([&] { return seen().size() == 9; }));
+  EXPECT_THAT(seen(), UnorderedElementsAreArray(UpTo(9)));
+  arriving.Hand(handed.front());
+  arriving.Hand(handed.back());
+  arriving.Hand(overtaken);
+  EXPECT_EQ(other.components.statuses().front().exceptions, 1U) << "Its empty text is no number.";
+  EXPECT_EQ(SumOf(outside_), "45");
 }
 
 TEST_F(ComponentMoveTest, AnArrivingComponentHoldsUpNoOther) {

@@ -14,8 +14,9 @@ using Move = RunOrder::Move;
 
 constexpr std::chrono::seconds kUsersPatience{10};
 constexpr std::chrono::seconds kCallbackPatience{1};
-constexpr std::chrono::milliseconds kUsersPause{2};    // While channels join.
-constexpr std::chrono::milliseconds kReaderPause{10};  // While the starter reads too slowly.
+constexpr std::chrono::milliseconds kUsersPause{2};     // While channels join.
+constexpr std::chrono::milliseconds kReaderPause{10};   // While the starter reads too slowly.
+constexpr std::chrono::milliseconds kPassingPause{10};  // Until messages come to the new place by themselves.
 
 // Of those in this process and in others.
 std::size_t SubscribersOf(const Session& session, const std::string& channel) {
@@ -147,7 +148,8 @@ ComponentMoves::Clock::time_point ComponentMoves::HandOver(const std::string& na
   while (!reports_.full()) {
     const std::optional<MovingMessage> message = one.place->Next();
     if (!message) {
-      if (one.dropped || one.place->all_passed()) EndLeaving(name);
+      if (!one.dropped && !one.place->all_passed()) return Clock::now() + kPassingPause;
+      EndLeaving(name);
       return Clock::time_point::max();
     }
     if (message->message.data.bytes.size() > kMostStateBytes) {
