@@ -36,6 +36,9 @@ class JoinedOutbound::Part final : public OutboundSource {
     }
     joined_.TellSubscribers();
   }
+  void OnUnsubscribed(SessionId subscriber) noexcept override {
+    if (!joined_.IsSubscriber(subscriber, index_)) joined_.source_.OnUnsubscribed(subscriber);
+  }
 
   std::unique_ptr<OutboundChannel> channel;
 
@@ -138,6 +141,16 @@ std::size_t JoinedOutbound::subscriber_count() const noexcept {
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->subscriber_count();
   return sum;
+}
+
+bool JoinedOutbound::IsSubscriber(SessionId session, std::size_t except) const {
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i == except) continue;
+    const std::vector<SessionId> there = parts_[i]->channel->Subscribers();
+    if (std::ranges::find(there, session) != there.end()) return true;
+  }
+  return false;
 }
 
 std::vector<SessionId> JoinedOutbound::Subscribers() const {

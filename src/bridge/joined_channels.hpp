@@ -74,6 +74,8 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   // The messages that a subscriber gets first.
   [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
   void TellSubscribers();
+  // Over another transport than `except`, as after a move.
+  [[nodiscard]] bool IsSubscriber(SessionId session, std::size_t except) const;
   // Whether `holds` is true for the channel of a transport that has subscribers.
   template <typename Holds>
   [[nodiscard]] bool AnyListened(const Holds& holds) const;

@@ -150,11 +150,12 @@ bool CallState::GoesTo(const std::shared_ptr<ServiceHost>& host) {
   return true;
 }
 
-bool CallState::GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server) {
+bool CallState::GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server, std::uint64_t ends_before) {
   const std::scoped_lock lock(mutex_);
   if (done()) return false;
   client_ = client;
   server_ = server;
+  ends_before_ = ends_before;
   return true;
 }
 
@@ -182,6 +183,10 @@ std::shared_ptr<ServiceClient> CallState::client() const {
 SessionId CallState::server() const {
   const std::scoped_lock lock(mutex_);
   return server_;
+}
+std::uint64_t CallState::ends_before() const {
+  const std::scoped_lock lock(mutex_);
+  return ends_before_;
 }
 
 bool CallState::has_server() const { return server() != SessionId{}; }

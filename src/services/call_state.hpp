@@ -53,10 +53,12 @@ class CallState final : public PendingCall,
   // Sets the receiver before the call is sent. False if the call has ended: then it must not be sent, because the
   // caller may have been told that no server got it.
   [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceHost>& host);
-  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server);
+  // `ends_before`: how often a server has ended the service before.
+  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server, std::uint64_t ends_before);
   void AwaitsServerOf(const std::shared_ptr<ServiceClient>& client);
   [[nodiscard]] bool IsOf(const ServiceClient& client) const;
   [[nodiscard]] SessionId server() const;
+  [[nodiscard]] std::uint64_t ends_before() const;
   [[nodiscard]] bool has_server() const;
 
   // True if the calling thread was not inside a callback, so that it may block.
@@ -91,6 +93,7 @@ class CallState final : public PendingCall,
   std::weak_ptr<ServiceHost> host_;
   std::weak_ptr<ServiceClient> client_;
   SessionId server_;
+  std::uint64_t ends_before_ = 0;
 };
 
 // A failure as the end of a call.

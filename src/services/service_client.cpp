@@ -50,7 +50,11 @@ void ServiceClient::Start() {
           if (read) client->OnReply(*static_cast<const CallMessage*>(read.get()), info);
         },
         kRepliesInFlight);
-    outlet_ = place.OpenOutlet(RequestChannel(name_), request_, {update, update, [] { return true; }});
+    OutletEvents events{update, update, [] { return true; }};
+    events.on_unsubscribed = [weak = weak_from_this()](SessionId server) {
+      if (const auto client = weak.lock()) client->OnEnded(server);
+    };
+    outlet_ = place.OpenOutlet(RequestChannel(name_), request_, std::move(events));
   });
 }
 
@@ -120,7 +124,7 @@ void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
     const std::scoped_lock lock(mutex_);
     now = waiting_.empty() && !servers_.empty();
     if (now) {
-      if (!call->GoesTo(shared_from_this(), servers_.front().id)) return;
+      if (!call->GoesTo(shared_from_this(), servers_.front().id, ends_)) return;
       call->message->server = servers_.front().id.value;
     } else {
       while (!waiting_.empty() && waiting_.front()->done()) {
@@ -200,6 +204,7 @@ void ServiceClient::UpdateServers(Services& services) {
     silence = std::chrono::milliseconds(place.LongestSilenceMs());
   });
   std::vector<Server> gone;
+  std::vector<std::pair<Server, std::uint64_t>> again;  // Have ended the service, and serve it again.
   std::chrono::steady_clock::time_point second;
   bool two = false;
   {
@@ -211,6 +216,10 @@ void ServiceClient::UpdateServers(Services& services) {
       if (!serves(server.id)) gone.push_back(server);
     }
     std::erase_if(servers_, [&](const Server& server) { return !serves(server.id); });
+    for (const Ended& ended : std::exchange(ended_, {})) {
+      const auto server = std::ranges::find(servers_, ended.server, &Server::id);
+      if (server != servers_.end()) again.emplace_back(*server, ended.end);
+    }
     for (const SessionId id : there) {
       if (!serves(id) || std::ranges::find(servers_, id, &Server::id) != servers_.end()) continue;
       Server& server = servers_.emplace_back();
@@ -220,27 +229,38 @@ void ServiceClient::UpdateServers(Services& services) {
     if (servers_.size() > 1) second = servers_[1].since;
     two = second != std::exchange(second_since_, second) && servers_.size() > 1;
   }
-  for (const Server& server : gone) EndCallsSoon(services, server);
+  for (const Server& server : gone) EndCallsSoon(services, server, std::numeric_limits<std::uint64_t>::max());
+  for (const auto& [server, end] : again) EndCallsSoon(services, server, end);
   if (two)
     services.PostAt(second + silence + kTimeToMove, [weak = weak_from_this(), second] {
       if (const auto client = weak.lock()) client->SayIfTwoServe(second);
     });
 }
 
-void ServiceClient::EndCallsSoon(Services& services, const Server& server) {
+void ServiceClient::OnEnded(SessionId server) {
+  const std::scoped_lock lock(mutex_);
+  ended_.push_back({server, ++ends_});
+}
+
+void ServiceClient::EndCallsSoon(Services& services, const Server& server, std::uint64_t end) {
   std::vector<std::uint64_t> lost;
+  const auto has_lost = [server = server.id, end](const CallState& call) {
+    return call.server() == server && call.ends_before() < end;
+  };
   services.calls()->EndAll([&](const CallState& call) -> std::optional<CallEnd> {
-    if (call.IsOf(*this) && call.server() == server.id) lost.push_back(call.number);
+    if (call.IsOf(*this) && has_lost(call)) lost.push_back(call.number);
     return std::nullopt;
   });
   if (lost.empty()) return;
-  CallEnd end = Failed(Kind::kServerGone, "Session " + server.info.name() + " ended service \"" + name_ +
-                                              "\", or can no longer be reached.");
+  CallEnd failed = Failed(Kind::kServerGone, "Session " + server.info.name() + " ended service \"" + name_ +
+                                                 "\", or can no longer be reached.");
   services.PostAt(std::chrono::steady_clock::now() + kTimeForTheReason,
-                  [desk = services_, lost = std::move(lost), end = std::move(end)] {
+                  [desk = services_, lost = std::move(lost), failed = std::move(failed), has_lost] {
                     const auto still = desk.lock();
                     for (const std::uint64_t number : lost) {
-                      if (still) still->calls()->End(number, end);
+                      const auto call = still ? still->calls()->Find(number) : nullptr;
+                      if (call && has_lost(*call))
+                        still->calls()->End(number, failed);  // Another server may have it now.
                     }
                   });
 }
@@ -253,7 +273,7 @@ void ServiceClient::SendWaiting(Services& services) {
       if (waiting_.empty() || servers_.empty()) return;
       next = waiting_.front();
       waiting_.pop_front();
-      if (!next->GoesTo(shared_from_this(), servers_.front().id)) continue;
+      if (!next->GoesTo(shared_from_this(), servers_.front().id, ends_)) continue;
       next->message->server = servers_.front().id.value;
     }
     const PublishStatus status = Post(next->message);

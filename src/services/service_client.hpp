@@ -83,8 +83,16 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
     PeerInfo info;
     std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
   };
-  // Ends them after a delay, so that a more precise reason can come first: a type mismatch, or the end of the session.
-  void EndCallsSoon(Services& services, const Server& server);
+  // A server has ended the service, and may have begun to serve it again at once. Not all calls that were sent before
+  // have reached it.
+  struct Ended {
+    SessionId server;
+    std::uint64_t end;
+  };
+  void OnEnded(SessionId server);
+  // Ends those that were sent before this end, after a delay, so that a more precise reason can come first: a type
+  // mismatch, or the end of the session.
+  void EndCallsSoon(Services& services, const Server& server, std::uint64_t end);
   // Says nothing if the second server of then is no longer the second.
   void SayIfTwoServe(std::chrono::steady_clock::time_point second);
 
@@ -98,6 +106,8 @@ class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
   std::atomic<std::int64_t> usual_ns_{0};  // Moving average of the time from a call to its reply.
 
   std::mutex mutex_;
+  std::uint64_t ends_ = 0;       // How often a server has ended the service.
+  std::vector<Ended> ended_;     // What Update() has not seen.
   std::vector<Server> servers_;  // In the order in which they were found.
   std::deque<std::shared_ptr<CallState>> waiting_;
   std::map<std::uint64_t, std::string> misfits_;  // Error texts of sessions whose types do not fit, by session id.

@@ -18,6 +18,7 @@ namespace {
 using Kind = CallFailure::Kind;
 
 constexpr std::chrono::seconds kLateAnnouncements{10};
+constexpr std::string_view kRequests = "hgros/call/";
 constexpr std::string_view kReplies = "hgros/reply/";
 
 Kind KindOf(CallMessage::Outcome outcome) {
@@ -47,10 +48,11 @@ CallEnd EndAs(const CallEnd& end, const TypeInfo& type) {
   return converted;
 }
 
-std::string RequestChannel(std::string_view service) { return "hgros/call/" + std::string(service); }
+std::string RequestChannel(std::string_view service) { return std::string(kRequests) + std::string(service); }
 std::string ReplyChannel(std::string_view service, SessionId caller) {
   return std::string(kReplies) + caller.ToString() + "/" + std::string(service);
 }
+bool IsRequestChannel(std::string_view channel) { return channel.starts_with(kRequests); }
 bool IsReplyChannel(std::string_view channel) { return channel.starts_with(kReplies); }
 std::string TurnChannel(std::string_view service) { return "hgros/serve/" + std::string(service); }
 

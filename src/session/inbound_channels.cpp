@@ -63,6 +63,7 @@ void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::it
     if (inflow.joined) TellDemand(channel, inflow);
     if (!AsksForTooMuch(inflow)) return;
   }
+  if (inflow.joined && inflow.wanted.empty() && IsRequestChannel(channel)) inflow.missed = true;
   // Posted, because ending the inbound channel waits for its callbacks, and a callback may be ending this subscription.
   if (inflow.joined) means_.post([this, channel] { Reconcile(channel, true); });
 }
@@ -86,9 +87,11 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
   inflow.busy = true;
   const auto leave = [](Inflow* one) { one->busy = false; };
   const std::unique_ptr<Inflow, decltype(leave)> busy(&inflow, leave);  // Joining can throw.
-  const auto fits = [&] { return inflow.joined == IsWanted(channel, inflow) && !(may_wait && AsksForTooMuch(inflow)); };
+  const auto fits = [&] {
+    return inflow.joined == IsWanted(channel, inflow) && !inflow.missed && !(may_wait && AsksForTooMuch(inflow));
+  };
   while (bridge_ != nullptr && !closed_ && !fits()) {
-    if (inflow.joined && !may_wait) {  // Forbidden meanwhile.
+    if (inflow.joined && !may_wait) {  // Forbidden meanwhile, or to be subscribed to again.
       means_.post([this, channel] { Reconcile(channel, true); });
       break;
     }
@@ -97,6 +100,7 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
       inflow.inlet->Detach();
       lock.lock();
       inflow.joined = false;
+      inflow.missed = false;
       bridge_->EndSubscribing(channel);
     } else {
       inflow.inlet->Join(*bridge_, Combine(inflow.wanted));

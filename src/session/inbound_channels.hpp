@@ -73,6 +73,8 @@ class InboundChannels {
     std::size_t raw = 0;  // Number of demands for any type.
     bool joined = false;
     bool busy = false;  // A thread is in Reconcile() for this channel.
+    // Requests may have come that nobody took. It must be subscribed to again, which shows it to the callers.
+    bool missed = false;
   };
   class DemandTicket;
 

@@ -35,6 +35,10 @@ void OutboundCore::CountSubscriber(const std::shared_ptr<OutboundCore>& core, Se
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnSubscribers(core->subscribers.load()); }); });
 }
 
+void OutboundCore::TellUnsubscribed(const std::shared_ptr<OutboundCore>& core, SessionId who, Actions& actions) {
+  actions.emplace_back([core, who] { core->gate.Through([&] { core->source.OnUnsubscribed(who); }); });
+}
+
 void OutboundCore::TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions) {
   if (!core->refused.load()) return;
   actions.emplace_back([core] { core->gate.Through([&] { core->source.OnRoom(); }); });

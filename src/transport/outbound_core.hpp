@@ -28,6 +28,8 @@ struct OutboundCore {
 
   /// A subscriber has come or gone: a session, or, if `who` is none, the plain subscribers of one endpoint.
   static void CountSubscriber(const std::shared_ptr<OutboundCore>& core, SessionId who, int change, Actions& actions);
+  /// Reports that this session has ended its subscription. Called before CountSubscriber().
+  static void TellUnsubscribed(const std::shared_ptr<OutboundCore>& core, SessionId who, Actions& actions);
   /// Reports room to the source, if the source was refused. Called under the transport's mutex.
   static void TellRoom(const std::shared_ptr<OutboundCore>& core, Actions& actions);
 

@@ -136,6 +136,35 @@ TEST_P(ServiceOverEveryTransport, FailsCallsWhenTheServiceEnds) {
   EXPECT_TRUE(begun.Wait() || begun.Wait().failure().kind == Kind::kServerGone);
 }
 
+// A request that comes between two servers of one session reaches neither. The caller sees the same session before and
+// after.
+TEST_P(ServiceOverEveryTransport, EndsEveryCallAlthoughTheServiceIsServedAgainAtOnce) {
+  constexpr int kLives = 60;
+  constexpr std::chrono::seconds kLost{20};
+  Pair pair(PlacesOf(GetParam()));
+  std::atomic<bool> stop{false};
+  std::atomic<int> replies{0};
+  std::atomic<int> lost{0};
+  Service service = pair.server().Serve<Sum, Total>("add", Add);
+  std::jthread caller([&] {
+    while (!stop && lost == 0) {
+      const auto result = pair.caller().Call<Sum, Total>("add", Sum{2, 3}, kLost).Wait();
+      if (result) ++replies;
+      if (!result && result.failure().kind == Kind::kTimedOut) ++lost;
+    }
+  });
+  for (int life = 0; life < kLives && lost == 0; ++life) {
+    service.Reset();
+    service = pair.server().Serve<Sum, Total>("add", Add);
+    const int before = replies;
+    (void)Await([&] { return replies > before || lost > 0; });
+  }
+  stop = true;
+  caller.join();
+  EXPECT_EQ(lost, 0);
+  EXPECT_GT(replies, kLives);
+}
+
 TEST_P(ServiceOverEveryTransport, ContinuesWhenTheServiceIsServedAgain) {
   Pair pair(PlacesOf(GetParam()));
   for (int life = 0; life < 3; ++life) {

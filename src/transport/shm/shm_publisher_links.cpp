@@ -151,6 +151,7 @@ void ShmPublisher::EndLink(std::shared_ptr<OutLink> link, LinkEnd why, Actions& 
     link->core->lossless.fetch_sub(1);
     OutboundCore::TellRoom(link->core, actions);
   }
+  if (why == LinkEnd::kAsked) OutboundCore::TellUnsubscribed(link->core, link->pair.facts.info.id, actions);
   OutboundCore::CountSubscriber(link->core, link->pair.facts.info.id, -1, actions);
   // Its messages are destroyed when no mutex is held: their destructors are the user's code.
   actions.emplace_back([link = std::move(link)] {});

@@ -17,6 +17,9 @@ struct OutletEvents {
   std::function<bool()> on_first_publish;  ///< Called again at the next publish until it returns true.
   /// A message that no channel of the graph has numbered got its number. May be empty.
   std::function<void(const PacketHead&)> on_numbered{};
+  /// A session has ended its subscription; it may have subscribed again since. Comes before `on_subscribers`. May be
+  /// empty.
+  std::function<void(SessionId)> on_unsubscribed{};
 };
 
 /// An outlet to other sessions, whose ids it knows.

@@ -53,6 +53,7 @@ PublishStatus SendCall(SessionOutlet& outlet, const std::shared_ptr<const CallMe
 // The channels of a service.
 [[nodiscard]] std::string RequestChannel(std::string_view service);
 [[nodiscard]] std::string ReplyChannel(std::string_view service, SessionId caller);
+[[nodiscard]] bool IsRequestChannel(std::string_view channel);
 // True for the channels of replies. Only the services of a session can listen there, because the message type is
 // theirs.
 [[nodiscard]] bool IsReplyChannel(std::string_view channel);

@@ -43,6 +43,9 @@ class OutboundSource {
   [[nodiscard]] virtual bool may_promise() const noexcept { return true; }
   /// The number of remote subscribers has changed.
   virtual void OnSubscribers(std::size_t count) noexcept = 0;
+  /// A session has ended its subscription by itself. OnSubscribers() comes afterwards, perhaps when the session has
+  /// subscribed again.
+  virtual void OnUnsubscribed(SessionId /*subscriber*/) noexcept {}
 };
 
 /// The publishing end of one channel on one transport. Destroying it withdraws the channel.

@@ -135,6 +135,7 @@ void PublishedChannels::RemoveLink(const SubscriberPeer& peer, Wish& wish, LinkE
     link->core->missed.fetch_add(link->flow.unfinished(), std::memory_order_relaxed);
   }
   if (link->flow.lossless()) OutboundCore::TellRoom(link->core, actions);
+  if (why == LinkEnd::kUnsubscribed) OutboundCore::TellUnsubscribed(link->core, link->subscriber, actions);
   OutboundCore::CountSubscriber(link->core, link->subscriber, -1, actions);
   actions.emplace_back([link] {});  // Its messages are destroyed when no mutex is held: this runs user code.
 }
