@@ -17,7 +17,7 @@ ZmqOptions Options(SessionId id) {
   options.session = id;
   options.process = "conformance";
   options.heartbeat = std::chrono::milliseconds(100);
-  options.peer_timeout = std::chrono::milliseconds(3000);
+  options.peer_timeout = std::chrono::milliseconds(8000);
   return options;
 }
 
