@@ -126,7 +126,7 @@ class ComponentMoveTest : public DomainFixture {
   // new place calls nobody. As docs/decisions/0037 says, such a call fails and can be repeated.
   [[nodiscard]] std::string SumOf(Session& session) {
     for (const auto end = std::chrono::steady_clock::now() + kPatience;;) {
-      const auto sum = session.Call<PoseInFrame, PoseInFrame>("sum", PoseInFrame(), std::chrono::seconds(5)).Wait();
+      const auto sum = session.Call<PoseInFrame, PoseInFrame>("sum", PoseInFrame(), kPatience).Wait();
       if (sum) return sum->frame_id();
       const CallFailure::Kind kind = sum.failure().kind;
       const bool again = kind == CallFailure::Kind::kServerGone || kind == CallFailure::Kind::kNoServer;
@@ -138,7 +138,7 @@ class ComponentMoveTest : public DomainFixture {
     ArrivingComponent arriving(to.components, AdderSetup(), [] {});
     LeavingComponent leaving(from.components, "adder", [] {});
     ASSERT_TRUE(to.session.WaitForSubscribers("passed", 1, kPatience));
-    arriving.Restore(leaving.Hold(std::chrono::seconds(1), to.session.id()));
+    arriving.Restore(leaving.Hold(kPatience, to.session.id()));
     arriving.Begin();
     leaving.Leave();
     (void)Await(
@@ -209,7 +209,7 @@ TEST_F(ComponentMoveTest, TheOldPlaceHandsOverNothingThatTheNewOneHasItself) {
   ASSERT_TRUE(SeesUpTo(1));
   std::atomic<int> waiting = 0;
   LeavingComponent leaving(one.components, "adder", [&] { ++waiting; });
-  const MovingState moving = leaving.Hold(std::chrono::seconds(1));
+  const MovingState moving = leaving.Hold(kPatience);
   for (int number = 2; number <= 10; ++number) Publish(number);  // The new place does not know them.
   ASSERT_TRUE(Await([&] { return waiting == 9; }));
   ArrivingComponent arriving(other.components, AdderSetup(), [] {});
@@ -299,7 +299,7 @@ TEST_F(ComponentMoveTest, AnArrivingComponentHoldsUpNoOther) {
   EXPECT_EQ(ping(Numbered(1)), PublishStatus::kOk);
   EXPECT_TRUE(Await([&] { return pings == static_cast<int>(others.size()); }));
   LeavingComponent leaving(one.components, "adder", [] {});
-  arriving.Restore(leaving.Hold(std::chrono::seconds(1)));
+  arriving.Restore(leaving.Hold(kPatience));
   arriving.Begin();
   leaving.Leave();
   Publish(kMany + 1);
@@ -323,7 +323,7 @@ TEST_F(ComponentMoveTest, AComponentThatIsHeldHoldsUpNoOther) {
   ASSERT_TRUE(outside_.WaitForSubscribers("ping", 1, kPatience));
   std::atomic<int> waiting = 0;
   LeavingComponent leaving(one.components, "adder", [&] { ++waiting; });
-  (void)leaving.Hold(std::chrono::seconds(1));
+  (void)leaving.Hold(kPatience);
   for (int number = 1; number <= kMany; ++number) Publish(number);
   ASSERT_TRUE(Await([&] { return waiting >= kFull; }));
   EXPECT_EQ(ping(Numbered(1)), PublishStatus::kOk);
@@ -346,6 +346,7 @@ TEST_F(ComponentMoveTest, TakesItsStateServicesAndTimersWithIt) {
   EXPECT_TRUE(other.adder()->active);
   EXPECT_TRUE(Await([&] { return other.adder()->ticks > 3; }));
   EXPECT_EQ(SumOf(outside_), "10");
+  ASSERT_TRUE(other.session.WaitForPublishers("number", 1, kPatience));  // The move was over before.
   Publish(5);
   EXPECT_TRUE(SeesUpTo(5));
   EXPECT_EQ(SumOf(outside_), "15");
@@ -362,7 +363,7 @@ TEST_F(ComponentMoveTest, AnAbandonedMoveHandlesWhatHasWaited) {
     const ArrivingComponent arriving(other.components, AdderSetup(), [] {});
     std::atomic<int> waiting = 0;
     LeavingComponent leaving(one.components, "adder", [&] { ++waiting; });
-    (void)leaving.Hold(std::chrono::seconds(1));
+    (void)leaving.Hold(kPatience);
     const int ticks = one.adder()->ticks;
     Publish(2);
     Publish(3);
@@ -409,7 +410,7 @@ TEST_F(ComponentMoveTest, AnExceptionInTheNewPlaceIsCounted) {
     ArrivingComponent arriving(other.components, AdderSetup(), [] {});
     std::atomic<bool> waits = false;
     LeavingComponent leaving(one.components, "adder", [&] { waits = true; });
-    const MovingState moving = leaving.Hold(std::chrono::seconds(1));
+    const MovingState moving = leaving.Hold(kPatience);
     Publish(Adder::kThrows);
     ASSERT_TRUE(Await([&] { return waits.load(); }));
     arriving.Restore(moving);

@@ -20,7 +20,7 @@ class GatedWorld : public World {
  private:
   std::unique_ptr<Transport> Make(const std::string& place, TransportListener& listener, Log& log, SessionId id) {
     ShmOptions options = test::GatedOptions(id, place);
-    options.peer_timeout = std::chrono::milliseconds(3000);
+    options.peer_timeout = std::chrono::milliseconds(8000);
     return std::make_unique<test::GatedTransport>(std::move(options), listener, log, gate_);
   }
 

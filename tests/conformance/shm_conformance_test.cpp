@@ -30,7 +30,7 @@ class ShmWorld : public World {
     options.spin = std::chrono::microseconds(20);
     options.limit_bytes = limit_bytes_;
     options.heartbeat = std::chrono::milliseconds(100);
-    options.peer_timeout = std::chrono::milliseconds(3000);
+    options.peer_timeout = std::chrono::milliseconds(8000);
     return options;
   }
 

@@ -1,4 +1,6 @@
 // The numbered contracts of include/hgros/transport, for every transport. Each test shows one behavior.
+#include <algorithm>
+
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/ends_later.hpp"
 
@@ -230,7 +232,10 @@ TEST_P(TransportConformance, LatchedMessagesComeOnceAndBeforeLiveOnes) {
     EXPECT_TRUE(Eventually([&] { return in.sink.count() >= 50; }));
     const auto texts = in.sink.texts();
     for (std::size_t i = 0; i < 3 && i < texts.size(); ++i) EXPECT_EQ(texts[i], std::to_string(i + 1));
-    for (std::size_t i = 4; i < texts.size(); ++i) EXPECT_EQ(std::stoi(texts[i]), std::stoi(texts[i - 1]) + 1);
+    // The first credit covers these. Later, some may be dropped if the receiving threads do not run for a while.
+    const std::size_t covered = std::min<std::size_t>(texts.size(), kRoomy.credit_messages);
+    for (std::size_t i = 4; i < covered; ++i) EXPECT_EQ(std::stoi(texts[i]), std::stoi(texts[i - 1]) + 1);
+    for (std::size_t i = 4; i < texts.size(); ++i) EXPECT_GT(std::stoi(texts[i]), std::stoi(texts[i - 1]));
     if (texts.size() > 3) {
       EXPECT_GE(std::stoi(texts[3]), 4);
     }

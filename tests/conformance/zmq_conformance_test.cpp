@@ -7,6 +7,7 @@
 #include "conformance/tcp_forwarder.hpp"
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/zmq_transport.hpp"
+#include "support/free_port.hpp"
 
 namespace hgros::conformance {
 namespace {
@@ -16,7 +17,7 @@ ZmqOptions Options(SessionId id) {
   options.session = id;
   options.process = "conformance";
   options.heartbeat = std::chrono::milliseconds(100);
-  options.peer_timeout = std::chrono::milliseconds(3000);
+  options.peer_timeout = std::chrono::milliseconds(8000);
   return options;
 }
 
@@ -51,21 +52,12 @@ class IpcWorld : public ZmqWorld {
   std::string folder_;
 };
 
-/// A port that is free now. A transport that binds to any port finds it.
-std::string FreeEndpoint() {
-  Listener listener;
-  Log log([](LogLevel, std::string_view) {});
-  ZmqOptions options;
-  options.publish = {{"tcp://127.0.0.1:*", std::nullopt}};
-  return MakeZmqTransport(std::move(options), listener, log)->BoundEndpoints().front();
-}
-
 class TcpWorld : public ZmqWorld {
  public:
   TcpWorld() : ZmqWorld() {
-    publish_at_ = FreeEndpoint();
-    const auto port = std::stoi(publish_at_.substr(publish_at_.rfind(':') + 1));
-    forwarder_ = std::make_unique<TcpForwarder>(static_cast<std::uint16_t>(port));
+    const std::uint16_t port = test::FreePort();
+    publish_at_ = "tcp://127.0.0.1:" + std::to_string(port);
+    forwarder_ = std::make_unique<TcpForwarder>(port);
     subscribe_at_ = "tcp://127.0.0.1:" + std::to_string(forwarder_->port());
   }
   Cable* cable() override { return forwarder_.get(); }

@@ -58,8 +58,8 @@ void UseFrom(Session& session) {
   std::atomic<int> changes{0};
   std::atomic<double> seen{0};
   const auto watching = params.Watch("slam.matcher", [&](const ParamEvent& event) {
+    ++changes;  // Before what shows that it came.
     seen = event.after.Get<double>("slam.matcher.range");
-    ++changes;
   });
   EXPECT_TRUE(Await([&] { return seen == 8.5; })) << "a watch begins with the current values";
   const int before = changes;
@@ -315,6 +315,7 @@ TEST_F(RemoteParamsTest, RefusesRequestsThatCannotBeRead) {
         ++refused;
       });
   ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 1, kPatience));
+  ASSERT_TRUE(other_->WaitForPublishers("params/robot/answer", 1, kPatience));
   ParamsQuestion question;
   question.set_asker(1);
   question.set_create(true);
@@ -340,6 +341,7 @@ TEST_F(RemoteParamsTest, MakesARepeatedChangeOnlyOnce) {
         ++answers;
       });
   ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 1, kPatience));
+  ASSERT_TRUE(other_->WaitForPublishers("params/robot/answer", 1, kPatience));
   ParamsQuestion question;
   question.set_asker(1);
   question.set_number(1);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "support/free_port.hpp"
 #include "support/relay_port.hpp"
 
 namespace hgros::resilience {
@@ -28,22 +29,8 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
+using test::FreePort;
 using test::LoopbackAddress;
-
-/// A free port of the loopback, below those that the system gives to outgoing connections. A program that repeatedly
-/// connects to a port of that range could get the same port for its own end, and so be connected to itself.
-inline std::uint16_t FreePort() {
-  static int next = getpid() % 18000 * 37;
-  for (int tries = 0; tries < 1000; ++tries) {
-    const auto port = static_cast<std::uint16_t>(12000 + next++ % 18000);
-    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const sockaddr_in address = LoopbackAddress(port);
-    const bool free = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-    close(fd);
-    if (free) return port;
-  }
-  throw std::runtime_error("no free port");
-}
 
 inline std::string TcpEndpoint(std::uint16_t port) { return "tcp://127.0.0.1:" + std::to_string(port); }
 

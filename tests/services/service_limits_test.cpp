@@ -134,12 +134,21 @@ class MissingDirection : public test::DomainFixture {
                                   const std::string& in) const {
     return "network: {" + bus.Publisher(own, out) + ", subscribers: [" + bus.Subscriber(other, in) + "]}\n" + kAlone;
   }
+  /// Waits until the server has reached the caller's endpoint. So a call is sent at once.
+  [[nodiscard]] static bool IsReached(Robot& caller) {
+    return Await([&] {
+      return std::ranges::any_of(caller->Channels(), [](const KnownChannel& one) {
+        return one.name == "hgros/call/add" && !one.subscribers.empty();
+      });
+    });
+  }
 };
 
 TEST_F(MissingDirection, OutOfTheServerIsToldOnBothSidesAndKeepsNoReplies) {
   Robot server(Lists("a", "scan", "b", ""), "server");
   Robot caller(Lists("b", "", "a", ""), "caller");
   const Service service = server->Serve<Sum, Total>("add", Add);
+  ASSERT_TRUE(IsReached(caller));
   const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
   EXPECT_EQ(result.failure().kind, Kind::kTimedOut);
   EXPECT_EQ(result.failure().reason,
@@ -157,6 +166,7 @@ TEST_F(MissingDirection, IntoTheCallerIsTold) {
   Robot server(Lists("a", "", "b", ""), "server");
   Robot caller(Lists("b", "", "a", "scan"), "caller");
   const Service service = server->Serve<Sum, Total>("add", Add);
+  ASSERT_TRUE(IsReached(caller));
   const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
   EXPECT_EQ(result.failure().reason,
             "Service \"add\" did not reply within 2000 ms. Replies cannot reach this session: no subscriber endpoint "

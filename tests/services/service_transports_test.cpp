@@ -108,9 +108,9 @@ TEST_P(ServiceOverEveryTransport, CancelsACallAndItsWaitingRequest) {
   second.Cancel();
   EXPECT_EQ(second.Wait().failure().kind, Kind::kCancelled);
   { const auto dropped = pair.caller().Call<Sum, Total>("slow", Sum{3, 1}, kLong); }
-  // Sent after the two over the same connection.
+  // Sent after the two, and after their ends, over the same connection.
   const auto last = pair.caller().Call<Sum, Total>("slow", Sum{4, 1}, kLong);
-  (void)test::Await([&] { return service.stats().received >= 4; }, std::chrono::milliseconds(200));
+  ASSERT_TRUE(Await([&] { return service.stats().received == 4; }));
   door.Open();
   EXPECT_EQ(first.Wait()->value, 2);
   EXPECT_EQ(last.Wait()->value, 5);

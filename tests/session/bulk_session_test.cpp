@@ -329,6 +329,7 @@ TEST(BulkInProcess, BulkAndPlainMessagesAreConvertedForEachOther) {
   const auto one = robot->FromAny<BulkCloud>("cloud", kSerial, std::ref(bulk));
   const auto two = robot->FromAny<PointCloud>("cloud", kSerial, std::ref(plain));
   ExpectArrives(robot, plain, Lent(robot, 'a'));
+  ASSERT_TRUE(bulk.AwaitSize(1)) << "the other node may run later";
   ExpectArrives(robot, bulk, Plain('b'));
   ASSERT_TRUE(bulk.AwaitSize(2) && plain.AwaitSize(2));
   EXPECT_EQ(ChannelOf(robot).converted, 2U);

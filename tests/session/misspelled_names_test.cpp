@@ -135,6 +135,15 @@ TEST_F(MisspelledNamesOfTwo, AChannelWithoutAnotherEndIsLoggedOnceWithTheNearest
     return std::ranges::count_if(robot->Channels(), [](const auto& one) { return !one.name.starts_with("hgros/"); });
   };
   ASSERT_TRUE(Await([&] { return channels(mapper) == 13 && channels(driver) == 13; }));
+  // The names are known before it is known that both sessions use these two.
+  const auto has_both_ends = [](Robot& robot, std::string_view name) {
+    return std::ranges::any_of(robot->Channels(), [&](const auto& one) {
+      return one.name == name && !one.publishers.empty() && !one.subscribers.empty();
+    });
+  };
+  for (const char* const name : {"wheel_speed", "wheel_sped"}) {
+    ASSERT_TRUE(Await([&] { return has_both_ends(mapper, name) && has_both_ends(driver, name); })) << name;
+  }
   for (const int seconds : {31, 60}) {
     drivers.LookAt(std::chrono::seconds(seconds));
     mappers.Note("scan");

@@ -1,6 +1,7 @@
 #include "hgros/session/session.hpp"
 
 #include <array>
+#include <fstream>
 #include <optional>
 #include <thread>
 
@@ -57,6 +58,18 @@ TEST(Session, SendsMessagesToAnotherSessionInOrder) {
   EXPECT_EQ(talker->Peers().size(), 1U);
 }
 
+// The connections at a port of this host that its owner has not closed yet.
+int ConnectionsAt(int port) {
+  int count = 0;
+  std::ifstream all("/proc/net/tcp");
+  std::string number, local, remote, state, rest;
+  while (all >> number >> local >> remote >> state && std::getline(all, rest)) {
+    const bool open = state == "01" || state == "08";  // Established, or closed by the other end only.
+    if (open && std::stoi(local.substr(local.find(':') + 1), nullptr, 16) == port) ++count;
+  }
+  return count;
+}
+
 // Two names of one socket make two connections. After either is removed, messages still arrive once.
 TEST(Session, ReceivesEachMessageOnceThroughTwoNamesOfOneEndpoint) {
   for (const std::size_t removed : {0U, 1U}) {
@@ -77,9 +90,12 @@ TEST(Session, ReceivesEachMessageOnceThroughTwoNamesOfOneEndpoint) {
       EXPECT_TRUE(Await([&] { return notes.size() == static_cast<std::size_t>(to); })) << notes.size();
     };
     ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-    test::Linger(std::chrono::milliseconds(300));  // Time for the second connection.
+    const int at = std::stoi(port.substr(1));
+    ASSERT_TRUE(Await([&] { return ConnectionsAt(at) == 2; }));
+    test::Linger(std::chrono::milliseconds(300));  // Time for subscriptions over the second one.
     pass(0, 50);
     listener->RemoveSubscriberEndpoint(names[removed]);
+    ASSERT_TRUE(Await([&] { return ConnectionsAt(at) == 1; }));
     test::Linger(std::chrono::milliseconds(300));  // Time for messages about the removal.
     ASSERT_TRUE(Await([&] { return talker->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
     pass(50, 100);

@@ -287,6 +287,9 @@ TEST_F(TransformsOfTwo, EdgeTakenOverByAnotherSessionIsNotShared) {
     ASSERT_TRUE(setting.ToTF(At(2), "map", "base", Shift(1)));
     ASSERT_TRUE(Arrives(looking, "map", "base", At(2)));
   }
+  ASSERT_TRUE(Await([&] {  // Otherwise there are two sessions that set it.
+    return std::ranges::none_of(b->Peers(), [](const PeerInfo& peer) { return peer.process == "localizer"; });
+  }));
   Transforms setting(*a.session);
   ASSERT_TRUE(setting.ToTF(At(3), "map", "base", Shift(1)));
   ASSERT_TRUE(a->WaitForSubscribers(kTransformsChannel, 1, kPatience));

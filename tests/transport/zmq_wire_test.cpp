@@ -252,6 +252,7 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
       out->Commit(head, Publication::PayloadOf(std::string(100'000, 'x')));
       received += reader.Receive(20).empty() ? 0 : 1;
     }
+    while (!reader.Receive(500).empty()) ++received;  // On a busy machine it is some messages behind.
     EXPECT_GT(received, kMessages * 9 / 10) << endpoint;
     EXPECT_TRUE(place.Said("does not read fast enough")) << endpoint;
   }

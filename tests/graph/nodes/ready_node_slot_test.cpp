@@ -63,6 +63,8 @@ TEST_F(ReadyNodeSlotTest, WorkerRunsHandedOverAndAbandonedNodes) {
     Publish("c");
     slot.HandToWorkers();
     EXPECT_TRUE(Await([&] { return node.count == 1; }));
+    // Before its callback has returned, its thread would take the next message, too.
+    ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
     Publish("c");
     EXPECT_EQ(node.count, 1) << "the slot keeps a node again";
   }

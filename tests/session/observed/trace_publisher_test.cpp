@@ -83,7 +83,9 @@ TEST_F(TracesOfSessions, TellPublishesAndRunsWithTheirMessagesWhileSomebodyWatch
                                                   {.name = "mapper"});
   const auto on_map = pair.server().FromAny<Sum>("map", Invoke::kSerial, [](const Sum&) {}, {.name = "planner"});
   ASSERT_TRUE(pair.caller().WaitForSubscribers("scan", 1, kPatience));
-  scan(Sum{});  // Nobody watches.
+  scan(Sum{});  // Nobody watches, until it has passed both nodes.
+  ASSERT_TRUE(Await([&] { return on_map.stats().run == 1; }));
+  ASSERT_TRUE(pair.server().WaitIdle(kPatience));
   Traces traces;
   Robot watcher("", "watcher");
   const auto watch =
