@@ -70,6 +70,7 @@ TEST(HgrosInfo, DescribesASessionByEachOfItsNames) {
 TEST(HgrosInfo, DescribesNodesAndServices) {
   PatrolRobot patrol;
   patrol.publish(Log());
+  ASSERT_TRUE(patrol.robot.session().WaitIdle(test::kPatience));
   EXPECT_THAT(patrol.robot.Run(Patiently({"info", "hearing"})).out,
               AllOf(HasSubstr("node hearing\n"), HasSubstr("  Queue        keep last 3\n"),
                     HasSubstr("\nDATA SINCE  MESSAGES  AGE P50 "), HasSubstr("\nstatus             1 ")));
