@@ -52,7 +52,7 @@ TEST(HgrosCall, CallsAServiceWhoseTypesAreInAFile) {
   EXPECT_EQ(end.err, "");
   EXPECT_EQ(end.out, "width: 2\nname: \"a\\x1b\"\n");
   // Without the file, the server describes them.
-  const CommandEnd described = robot.Run({"call", "grip", "{width: 3}", "--timeout", "20"});
+  const CommandEnd described = robot.Run({"call", "grip", "{width: 3}", "--timeout", "40"});
   EXPECT_EQ(described.err, "");
   EXPECT_THAT(described.out, HasSubstr("width: 3\n"));
 }

@@ -119,7 +119,7 @@ std::string CommandRun::err() const {
 }
 
 std::vector<std::string> Patiently(std::vector<std::string> arguments) {
-  constexpr const char* kSeconds = "30";
+  constexpr const char* kSeconds = "40";
   const auto given = std::ranges::find(arguments, "--timeout");
   if (given == arguments.end()) {
     arguments.insert(arguments.end(), {"--timeout", kSeconds});

@@ -81,7 +81,7 @@ TEST(HgrosPub, DoesNotLoseASingleMessage) {
 
 TEST(HgrosPub, WaitsForASubscriberThatStartsLater) {
   RobotForCommands robot;
-  CommandRun run({"pub", "wish", "{message: a}", "--timeout", "20"}, robot.environment());
+  CommandRun run({"pub", "wish", "{message: a}", "--timeout", "40"}, robot.environment());
   test::Linger(std::chrono::milliseconds(100));
   const Heard heard(robot.session(), "wish");
   EXPECT_EQ(run.Wait(), 0) << run.err();
@@ -188,7 +188,7 @@ TEST(HgrosPub, PublishesATypeThatOnlyASubscriberOfTheChannelKnows) {
         const std::scoped_lock lock(mutex);
         heard.push_back(hand.name());
       });
-  const CommandEnd end = robot.Run({"pub", "hand", "{width: 0.5, name: left}", "--timeout", "20"});
+  const CommandEnd end = robot.Run({"pub", "hand", "{width: 0.5, name: left}", "--timeout", "40"});
   EXPECT_EQ(end.err, "");
   EXPECT_EQ(end.status, 0);
   ASSERT_TRUE(test::Await([&] {
@@ -196,7 +196,7 @@ TEST(HgrosPub, PublishesATypeThatOnlyASubscriberOfTheChannelKnows) {
     return !heard.empty();
   }));
   EXPECT_EQ(heard.front(), "left");
-  const CommandEnd wrong = robot.Run({"pub", "hand", "{widht: 1}", "--timeout", "20"});
+  const CommandEnd wrong = robot.Run({"pub", "hand", "{widht: 1}", "--timeout", "40"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_EQ(wrong.err, "hgros: message:1:2: robot.Hand has no field \"widht\". Did you mean width?\n");
 }
@@ -208,7 +208,7 @@ TEST(HgrosPub, TellsHowATypeOfSubscribersAloneBecomesKnown) {
   setenv("HGROS_DOMAIN", "none", 1);
   const Subscription subscription = HearHands(off);
   ASSERT_TRUE(test::Await([&] { return IsUsed(robot.session(), "hand"); }));
-  const CommandEnd end = robot.Run({"pub", "hand", "{}", "--timeout", "20"});
+  const CommandEnd end = robot.Run({"pub", "hand", "{}", "--timeout", "40"});
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.err, HasSubstr("The type robot.Hand of hand is not known here, and no session that uses it describes "
                                  "it: `control: off` is set there"));

@@ -45,7 +45,7 @@ TEST(HgrosSchema, ShowsATypeThatOnlyASubscriberKnows) {
   const Subscription subscription =
       robot.session().FromAny<robot::Hand>("hand", Invoke::kSerial, [](const robot::Hand&) {});
   for (const char* name : {"hand", "robot.Hand"}) {
-    const CommandEnd end = robot.Run({"schema", name, "--timeout", "20"});
+    const CommandEnd end = robot.Run({"schema", name, "--timeout", "40"});
     EXPECT_EQ(end.err, "");
     EXPECT_THAT(end.out, HasSubstr("message Hand {\n  double width = 1;\n  string name = 2;\n}\n"));
   }

@@ -99,7 +99,7 @@ TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnother) {
 }
 
 TEST_F(HgrosTf, EchoesThePoseAtATime) {
-  const CommandEnd now = Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "20"});
+  const CommandEnd now = Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "40"});
   EXPECT_EQ(now.status, 0) << now.err;
   EXPECT_THAT(now.out, HasSubstr("yaw: 90.00"));
   const CommandEnd past =
