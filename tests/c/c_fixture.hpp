@@ -73,6 +73,23 @@ inline SessionHandle Open(const std::string& yaml, LogLines& log, const char* na
   return SessionHandle(session);
 }
 
+/// Waits until the session knows who serves that. A call before that may find nobody.
+inline bool AwaitServed(const SessionHandle& session, const std::string& service) {
+  return Await([&] {
+    hgros_channels* channels = nullptr;
+    if (hgros_channels_open(session.get(), &channels) != HGROS_OK) return false;
+    bool served = false;
+    for (std::size_t i = 0; i < hgros_channels_count(channels); ++i) {
+      hgros_channel one{};
+      one.size = sizeof one;
+      if (hgros_channels_get(channels, i, &one) != HGROS_OK) continue;
+      served = served || (one.name == "hgros/call/" + service && one.subscribers > 0);
+    }
+    hgros_channels_free(channels);
+    return served;
+  });
+}
+
 inline SchemaHandle TextSchema(const char* name = "text") {
   hgros_schema* schema = nullptr;
   EXPECT_EQ(hgros_schema_create(name, HGROS_ENCODING_CUSTOM, 0, nullptr, 0, &schema), HGROS_OK) << LastError();
@@ -111,7 +128,7 @@ inline std::string TextOf(const hgros_message* message) {
 }
 
 /// The next message as text, or the name of the status.
-inline std::string Take(const SubscriptionHandle& queue, std::int64_t timeout_ns = std::int64_t{20'000'000'000}) {
+inline std::string Take(const SubscriptionHandle& queue, std::int64_t timeout_ns = std::int64_t{45'000'000'000}) {
   hgros_message* message = nullptr;
   const hgros_status status = hgros_queue_take(queue.get(), timeout_ns, &message);
   const MessageHandle owned(message);

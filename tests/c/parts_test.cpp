@@ -130,7 +130,7 @@ TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
   const auto own = Params(session);
   DeclareSpeed(own);
   hgros_params* opened = nullptr;
-  ASSERT_EQ(hgros_params_of(other.get(), "base", std::int64_t{20'000'000'000}, &opened), HGROS_OK);
+  ASSERT_EQ(hgros_params_of(other.get(), "base", std::int64_t{45'000'000'000}, &opened), HGROS_OK);
   const ParamsHandle remote(opened);
   EXPECT_EQ(Speed(remote), 0.5);
   EXPECT_EQ(hgros_params_set_number(remote.get(), "speed", 5), HGROS_REFUSED);

@@ -19,7 +19,7 @@
 
 #include <hgros/hgros.h>
 
-static const int64_t kPatience = INT64_C(20000000000);
+static const int64_t kPatience = INT64_C(45000000000);
 
 static void Require(hgros_status status) {
   if (status == HGROS_OK) return;

@@ -11,7 +11,7 @@ using test::Await;
 using test::LastError;
 using test::LogLines;
 
-constexpr std::int64_t kLong = 20'000'000'000;
+constexpr std::int64_t kLong = 45'000'000'000;
 
 struct Taken {
   hgros_status status = HGROS_OK;
@@ -62,6 +62,7 @@ class CServiceQueue : public testing::Test {
 TEST_F(CServiceQueue, RequestsOfBothSessionsAreTakenAndAnsweredByTheProgram) {
   const auto service = Serve();
   const auto other = test::Open(yaml, others_log, "other");
+  ASSERT_TRUE(test::AwaitServed(other, "ask"));
   EXPECT_FALSE(IsReadable(service));
   EXPECT_EQ(Take(service, 0).status, HGROS_TIMED_OUT);
   for (const test::SessionHandle* const from : std::initializer_list<const test::SessionHandle*>{&session, &other}) {
@@ -123,6 +124,7 @@ TEST_F(CServiceQueue, EndWakesItsThreadsAndFailsWhatWaits) {
 TEST_F(CServiceQueue, EndedServiceIsNoLongerFound) {
   const auto service = Serve();
   const auto other = test::Open(yaml, others_log, "other");
+  ASSERT_TRUE(test::AwaitServed(other, "ask"));
   std::thread first = Caller(other, "1");
   EXPECT_EQ(hgros_reply_set(Take(service).reply.get(), "one", 3), HGROS_OK);
   first.join();
@@ -171,6 +173,7 @@ TEST_F(CServiceQueue, ThreadOfItsOwnCannotBeConfiguredAway) {
 TEST_F(CServiceQueue, EndsWithItsSession) {
   const auto service = Serve();
   const auto other = test::Open(yaml, others_log, "other");
+  ASSERT_TRUE(test::AwaitServed(other, "ask"));
   std::thread caller = Caller(other, "1");
   const Taken taken = Take(service);
   std::thread taker([&] { EXPECT_EQ(Take(service).status, HGROS_CLOSED); });

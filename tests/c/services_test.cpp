@@ -65,7 +65,7 @@ class CServices : public testing::Test {
   std::string Call(const test::SessionHandle& from, const std::string& request, const hgros_schema* schema = nullptr) {
     hgros_message* reply = nullptr;
     const hgros_status status = hgros_call(from.get(), "echo", schema == nullptr ? text.get() : schema, request.data(),
-                                           request.size(), text.get(), std::int64_t{20'000'000'000}, &reply);
+                                           request.size(), text.get(), std::int64_t{45'000'000'000}, &reply);
     const test::MessageHandle owned(reply);
     return status == HGROS_OK ? test::TextOf(reply) : "<" + std::string(hgros_status_name(status)) + ">";
   }
@@ -81,6 +81,7 @@ TEST_F(CServices, AnswerInTheSameSessionAndInAnother) {
   const auto service = Serve(session);
   const auto other = test::Open(yaml, others_log, "other");
   EXPECT_EQ(Call(session, "here"), "here");
+  ASSERT_TRUE(test::AwaitServed(other, "echo"));
   EXPECT_EQ(Call(other, "there"), "there");
 }
 

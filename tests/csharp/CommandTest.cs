@@ -13,7 +13,7 @@ public static class CommandTest {
     using (var session = new Session())
     using (var publisher = session.Advertise("words", Log, latched: 1)) {
       publisher.Publish(new DynamicMessage(Log) { ["message"] = "from C#" });
-      Contains("from C#", Tool.Text(Tool.Run("HGROS", "echo words --once --timeout 20")));
+      Contains("from C#", Tool.Text(Tool.Run("HGROS", "echo words --once --timeout 40")));
     }
   }
 
@@ -21,7 +21,7 @@ public static class CommandTest {
   public static void MessagesOfTheCommandCome() {
     using (var session = new Session())
     using (var queue = session.Subscribe("words", Log)) {
-      Tool.Run("HGROS", "pub words '{message: from C++}' --type foxglove.Log --timeout 20");
+      Tool.Run("HGROS", "pub words '{message: from C++}' --type foxglove.Log --timeout 40");
       Equal("from C++", (string)queue.Next(new CancellationTokenSource(Patience).Token)["message"]);
     }
   }
@@ -33,8 +33,8 @@ public static class CommandTest {
       if ((string)word["message"] == "fail") throw new Exception("asked to fail");
       return new DynamicMessage(Log) { ["message"] = "re: " + word["message"] };
     })) {
-      Contains("re: hello", Tool.Text(Tool.Run("HGROS", "call ask '{message: hello}' --timeout 20")));
-      using (Process failing = Tool.Start("HGROS", "call ask '{message: fail}' --timeout 20")) {
+      Contains("re: hello", Tool.Text(Tool.Run("HGROS", "call ask '{message: hello}' --timeout 40")));
+      using (Process failing = Tool.Start("HGROS", "call ask '{message: fail}' --timeout 40")) {
         failing.StandardOutput.ReadToEnd();
         failing.WaitForExit();
         True(failing.ExitCode != 0, "a failed call ends with a failure");

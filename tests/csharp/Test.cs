@@ -11,7 +11,7 @@ using Hgros;
 internal sealed class TestAttribute : Attribute {}
 
 internal static class Test {
-  internal static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
+  internal static readonly TimeSpan Patience = TimeSpan.FromSeconds(45);
 
   private static int Main(string[] arguments) {
     MethodInfo test = typeof(Test).Assembly.GetTypes().SelectMany(type => type.GetMethods())

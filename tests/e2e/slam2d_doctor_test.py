@@ -13,7 +13,7 @@ FAULTS = os.environ["SLAM2D_FAULTS"]
 
 class Doctor(slam2d_programs.Slam2dTest):
     def findings(self):
-        done = self.hgros("doctor", "--json")
+        done = self.hgros("doctor", "--json", "--timeout", "30")
         return done.returncode, [json.loads(line) for line in done.stdout.splitlines()]
 
     def start_demo(self):
@@ -33,7 +33,7 @@ class Doctor(slam2d_programs.Slam2dTest):
         self.await_channel("trajectroy", "subscribers")
         self.popen(slam2d_programs.HGROS, "echo", "map", "--full", stdout=subprocess.DEVNULL)
         self.await_channel("map", "subscribers")
-        forbidden = self.hgros("control", "forbid", "map", "--session", "main")
+        forbidden = self.hgros("control", "forbid", "map", "--session", "main", "--timeout", "30")
         self.assertEqual(forbidden.returncode, 0, forbidden)
 
         deadline = time.monotonic() + slam2d_programs.DEADLINE_S

@@ -20,7 +20,7 @@ import (
 
 type text = *wrapperspb.StringValue
 
-const patience = 20 * time.Second
+const patience = 45 * time.Second
 
 func open(t *testing.T, options *hgros.SessionOptions) *hgros.Session {
 	t.Helper()

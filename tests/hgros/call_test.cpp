@@ -3,7 +3,9 @@
 
 #include <csignal>
 #include <memory>
+#include <regex>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #include <foxglove/Log.pb.h>
@@ -29,11 +31,12 @@ TEST(HgrosCall, ShowsTheReply) {
     size.set_x(static_cast<double>(log.message().size()));
     return size;
   });
-  const CommandEnd end = robot.Run({"call", "size", "{message: hello}"});
+  const CommandEnd end = robot.Run(Patiently({"call", "size", "{message: hello}"}));
   EXPECT_EQ(end.status, 0);
   EXPECT_EQ(end.err, "");
   EXPECT_EQ(end.out, "x: 5\ny: 0\nz: 0\n");
-  const CommandEnd json = robot.Run({"call", "size", "{message: hello}", "--json", "--reply-type", "foxglove.Vector3"});
+  const CommandEnd json =
+      robot.Run(Patiently({"call", "size", "{message: hello}", "--json", "--reply-type", "foxglove.Vector3"}));
   EXPECT_THAT(json.out, testing::StartsWith(R"({"service":"size","type":"foxglove.Vector3","duration_ns":)"));
   EXPECT_THAT(json.out, HasSubstr(R"("message":{"x":5,"y":0,"z":0}})"));
 }
@@ -45,11 +48,11 @@ TEST(HgrosCall, CallsAServiceWhoseTypesAreInAFile) {
   const ProtoFolder folder;
   const std::string file = folder.Write(
       "grip.proto", "syntax = \"proto3\"; package robot; message Grip { double width = 1; string name = 2; }");
-  const CommandEnd end = robot.Run({"call", "grip", "{width: 2, name: \"a\\x1b\"}", "--proto", file});
+  const CommandEnd end = robot.Run(Patiently({"call", "grip", "{width: 2, name: \"a\\x1b\"}", "--proto", file}));
   EXPECT_EQ(end.err, "");
   EXPECT_EQ(end.out, "width: 2\nname: \"a\\x1b\"\n");
   // Without the file, the server describes them.
-  const CommandEnd described = robot.Run({"call", "grip", "{width: 3}", "--timeout", "20"});
+  const CommandEnd described = robot.Run({"call", "grip", "{width: 3}", "--timeout", "40"});
   EXPECT_EQ(described.err, "");
   EXPECT_THAT(described.out, HasSubstr("width: 3\n"));
 }
@@ -58,7 +61,7 @@ TEST(HgrosCall, ItsExamplesWork) {
   RobotForCommands robot;
   const Service service = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
   for (const std::vector<std::string>& example : ExamplesOf("call")) {
-    const CommandEnd end = robot.Run(example);
+    const CommandEnd end = robot.Run(Patiently(example));
     EXPECT_EQ(end.status, 0) << end.err;
     EXPECT_THAT(end.out, HasSubstr("hello"));
   }
@@ -116,9 +119,19 @@ TEST(HgrosCall, ShowsOnATerminalHowLongItHasWaited) {
     door.Pass();
     return log;
   });
-  const TerminalRun call({"call", "ask", "{message: hello}", "--timeout", "30"}, robot.environment());
-  EXPECT_TRUE(call.Shows("waiting for the reply of ask: 1 of 29 s")) << call.written();
-  EXPECT_TRUE(call.Shows("waiting for the reply of ask: 2 of 29 s")) << call.written();
+  robot.AwaitAnnounced();
+  const TerminalRun call({"call", "ask", "{message: hello}", "--timeout", "90"}, robot.environment());
+  // How many seconds it waits depends on how long its start took.
+  const std::regex line("waiting for the reply of ask: ([0-9]+) of (8[0-9]) s");
+  std::smatch found;
+  std::string screen;
+  const auto waited = [&] {
+    screen = testing::PrintToString(call.screen().Lines());
+    return std::regex_search(screen, found, line) ? std::stoi(found[1]) : 0;
+  };
+  ASSERT_TRUE(test::Await([&] { return waited() >= 1; })) << call.written();
+  const int first = waited();
+  EXPECT_TRUE(test::Await([&] { return waited() > first; })) << call.written();
   door.Open();
   EXPECT_EQ(call.Wait(), 0);
   EXPECT_TRUE(call.Shows("message: hello"));
@@ -139,9 +152,10 @@ TEST(HgrosCall, TellsThatTheServiceEnded) {
     }
     return received;
   };
-  CommandRun running({"call", "ask"}, robot.environment());
+  robot.AwaitAnnounced();
+  CommandRun running({"call", "ask", "--timeout", "60"}, robot.environment());
   ASSERT_TRUE(test::Await([&] { return requests() >= 1; }));
-  CommandRun waiting({"call", "ask"}, robot.environment());
+  CommandRun waiting({"call", "ask", "--timeout", "60"}, robot.environment());
   ASSERT_TRUE(test::Await([&] { return requests() >= 2; }));
   std::thread ender([&] { service.reset(); });  // Waits for the running handler.
   EXPECT_EQ(waiting.Wait(), 1);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -115,6 +116,17 @@ std::string CommandRun::out() const {
 std::string CommandRun::err() const {
   const std::scoped_lock lock(mutex_);
   return err_;
+}
+
+std::vector<std::string> Patiently(std::vector<std::string> arguments) {
+  constexpr const char* kSeconds = "40";
+  const auto given = std::ranges::find(arguments, "--timeout");
+  if (given == arguments.end()) {
+    arguments.insert(arguments.end(), {"--timeout", kSeconds});
+  } else {
+    *std::next(given) = kSeconds;
+  }
+  return arguments;
 }
 
 CommandEnd RunInShell(const std::string& script, std::map<std::string, std::string> environment) {

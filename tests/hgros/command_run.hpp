@@ -54,6 +54,8 @@ struct CommandEnd {
   std::string err;
 };
 CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
+/// The command with a --timeout that a busy machine keeps, too: without one, most wait only a second for an answer.
+std::vector<std::string> Patiently(std::vector<std::string> arguments);
 /// A script for /bin/sh, which finds the command in $HGROS.
 CommandEnd RunInShell(const std::string& script, std::map<std::string, std::string> environment = {});
 

@@ -39,13 +39,13 @@ std::string OneSession(RobotForCommands& robot) {
 TEST(HgrosInfo, DescribesAChannelWithItsUsersNodesAndTransports) {
   PatrolRobot patrol;
   patrol.publish(Log());
-  const CommandEnd text = patrol.robot.Run({"info", "status"});
+  const CommandEnd text = patrol.robot.Run(Patiently({"info", "status"}));
   EXPECT_EQ(text.status, 0);
   EXPECT_EQ(text.err, "");
   EXPECT_THAT(text.out, AllOf(HasSubstr("channel status\n  Type         foxglove.Log\n"),
                               HasSubstr("  Latched      2\n"), HasSubstr("\nPUBLISHER "), HasSubstr("\nSUBSCRIBER "),
                               HasSubstr("\nhearing  patrol:"), HasSubstr("  keep last 3  "), HasSubstr("  process\n")));
-  const std::string json = patrol.robot.Run({"info", "status", "--json"}).out;
+  const std::string json = patrol.robot.Run(Patiently({"info", "status", "--json"})).out;
   EXPECT_EQ(LinesOf(json).size(), 1U);
   EXPECT_THAT(
       json, AllOf(HasSubstr("{\"kind\":\"channel\",\"name\":\"status\",\"type\":\"foxglove.Log\","),
@@ -59,7 +59,7 @@ TEST(HgrosInfo, DescribesASessionByEachOfItsNames) {
   PatrolRobot patrol;
   for (const std::string& name :
        {std::string("patrol"), "patrol:" + std::to_string(getpid()), patrol.robot.session().id().ToString()}) {
-    const CommandEnd end = patrol.robot.Run({"info", name});
+    const CommandEnd end = patrol.robot.Run(Patiently({"info", name}));
     EXPECT_EQ(end.status, 0) << name;
     EXPECT_THAT(end.out, AllOf(HasSubstr("session patrol\n"), HasSubstr("  Memory "), HasSubstr("\nSERVES\nask\n"),
                                HasSubstr("\nhearing  status ")))
@@ -70,10 +70,11 @@ TEST(HgrosInfo, DescribesASessionByEachOfItsNames) {
 TEST(HgrosInfo, DescribesNodesAndServices) {
   PatrolRobot patrol;
   patrol.publish(Log());
-  EXPECT_THAT(patrol.robot.Run({"info", "hearing"}).out,
+  ASSERT_TRUE(patrol.robot.session().WaitIdle(test::kPatience));
+  EXPECT_THAT(patrol.robot.Run(Patiently({"info", "hearing"})).out,
               AllOf(HasSubstr("node hearing\n"), HasSubstr("  Queue        keep last 3\n"),
                     HasSubstr("\nDATA SINCE  MESSAGES  AGE P50 "), HasSubstr("\nstatus             1 ")));
-  EXPECT_THAT(patrol.robot.Run({"info", "ask"}).out,
+  EXPECT_THAT(patrol.robot.Run(Patiently({"info", "ask"})).out,
               AllOf(HasSubstr("service ask\n  Request  foxglove.Log\n"), HasSubstr("\nSERVED BY\npatrol:")));
 }
 
@@ -81,13 +82,13 @@ TEST(HgrosInfo, DescribesEverythingThatHasTheName) {
   RobotForCommands robot("tick");
   const auto publish = robot.session().Advertise<Log>("tick");
   const Subscription heard = robot.session().FromAny<Log>("tick", Invoke::kSerial, [](const Log&) {}, {.name = "tick"});
-  EXPECT_THAT(robot.Run({"info", "tick"}).out,
+  EXPECT_THAT(robot.Run(Patiently({"info", "tick"})).out,
               AllOf(HasSubstr("channel tick\n"), HasSubstr("session tick\n"), HasSubstr("node tick\n")));
 }
 
 TEST(HgrosInfo, NamesTheNearestIfNothingHasTheName) {
   PatrolRobot patrol;
-  const CommandEnd end = patrol.robot.Run({"info", "statsu", "patrol"});
+  const CommandEnd end = patrol.robot.Run(Patiently({"info", "statsu", "patrol"}));
   EXPECT_EQ(end.status, 1);
   EXPECT_EQ(end.err, "hgros: No channel, session, node or service is called statsu. Did you mean status?\n");
   EXPECT_THAT(end.out, HasSubstr("session patrol\n"));

@@ -23,7 +23,7 @@ TEST(HgrosList, ShowsChannelsWithTypeUsersAndLatchedMessages) {
   const Subscription heard = robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {});
   CommandEnd end;  // A session announces its channels a moment after they were made.
   (void)test::Await([&] {
-    end = robot.Run({"list"});
+    end = robot.Run(Patiently({"list"}));
     return LinesOf(end.out).size() == 3;
   });
   EXPECT_EQ(end.status, 0);
@@ -31,7 +31,7 @@ TEST(HgrosList, ShowsChannelsWithTypeUsersAndLatchedMessages) {
   EXPECT_THAT(LinesOf(end.out), testing::ElementsAre("CHANNEL  TYPE          PUB  SUB  RATE  LATCHED  VIA",
                                                      "status   foxglove.Log    1    0     -        2",
                                                      "wish     foxglove.Log    0    1              -"));
-  const std::vector<std::string> json = LinesOf(robot.Run({"list", "--json"}).out);
+  const std::vector<std::string> json = LinesOf(robot.Run(Patiently({"list", "--json"})).out);
   ASSERT_EQ(json.size(), 2U);
   EXPECT_EQ(json[0],
             "{\"channel\":\"status\",\"type\":\"foxglove.Log\",\"publishers\":1,\"subscribers\":0,\"rate_hz\":0,"
@@ -42,10 +42,10 @@ TEST(HgrosList, ShowsOverWhichTransportsMessagesGo) {
   RobotForCommands robot;
   const auto publish = robot.session().Advertise<Log>("status");
   const Subscription own = robot.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {});
-  EXPECT_THAT(robot.Run({"list", "--json"}).out, HasSubstr("\"via\":[\"process\"]"));
+  EXPECT_THAT(robot.Run(Patiently({"list", "--json"})).out, HasSubstr("\"via\":[\"process\"]"));
   CommandRun other({"echo", "status"}, robot.environment());
   ASSERT_TRUE(robot.session().WaitForSubscribers("status", 1, test::kPatience));
-  const auto line = [&] { return robot.Run({"list", "--json"}).out; };
+  const auto line = [&] { return robot.Run(Patiently({"list", "--json"})).out; };
   EXPECT_TRUE(test::Await([&] { return line().find("\"via\":[\"process\",\"shared memory\"]") != std::string::npos; }))
       << line();
 }
@@ -65,7 +65,7 @@ TEST(HgrosList, CountsSubscribersThatOnlyThePublisherKnows) {
   ASSERT_TRUE(here.WaitForSubscribers("status", 2, test::kPatience));
   std::string out;
   EXPECT_TRUE(test::Await([&] {
-    out = robot.Run({"list"}).out;
+    out = robot.Run(Patiently({"list"})).out;
     return out.find("status   foxglove.Log    1    2 ") != std::string::npos;
   })) << out;
 }
@@ -74,13 +74,16 @@ TEST(HgrosList, ShowsFramesWithParentAgeAndPublisher) {
   RobotForCommands robot("patrol");
   Transforms transforms(robot.session());
   transforms.ToStaticTF("base", "laser", RigidTransform());
-  EXPECT_THAT(
-      LinesOf(robot.Run({"list", "frames"}).out),
-      testing::ElementsAre("FRAME    KIND    RATE  AGE  PUBLISHER", "base", "  laser  static             patrol"));
+  std::vector<std::string> lines;
+  (void)test::Await([&] {
+    lines = LinesOf(robot.Run({"list", "frames"}).out);
+    return !lines.empty();
+  });
+  EXPECT_THAT(lines, testing::ElementsAre("FRAME    KIND    RATE  AGE  PUBLISHER", "base",
+                                          "  laser  static             patrol"));
   const NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(20), [&](const Tick&) {
     transforms.ToTF(WallNow(), "map", "base", RigidTransform());
   });
-  std::vector<std::string> lines;
   ASSERT_TRUE(test::Await([&] {
     lines = LinesOf(robot.Run({"list", "frames", "--json"}).out);
     return lines.size() == 3;
@@ -96,7 +99,7 @@ TEST(HgrosList, ShowsTheRateThatThePublisherCounts) {
   const NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(20),
                                                       [&](const Tick&) { publish(std::make_unique<Log>()); });
   const auto rate = [&] {
-    const std::string out = robot.Run({"list", "--json"}).out;
+    const std::string out = robot.Run(Patiently({"list", "--json"})).out;
     const std::size_t at = out.find("\"rate_hz\":");
     return at == std::string::npos ? 0 : std::strtod(out.c_str() + at + 10, nullptr);
   };
@@ -108,14 +111,16 @@ TEST(HgrosList, ShowsSessionsNodesAndServices) {
   const Subscription heard =
       robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {}, {.name = "granting"});
   const Service service = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
-  EXPECT_TRUE(test::Await([&] { return robot.Run({"list", "services"}).out.find("ask") != std::string::npos; }));
-  EXPECT_THAT(robot.Run({"list", "sessions"}).out, HasSubstr("patrol"));
-  EXPECT_THAT(robot.Run({"list", "nodes"}).out, HasSubstr("granting"));
-  EXPECT_THAT(robot.Run({"list", "services"}).out, HasSubstr("ask      foxglove.Log  patrol:"));
-  EXPECT_THAT(robot.Run({"list", "services", "--json"}).out,
+  EXPECT_TRUE(test::Await([&] {
+    return robot.Run(Patiently({"list", "services"})).out.find("ask") != std::string::npos;
+  }));
+  EXPECT_THAT(robot.Run(Patiently({"list", "sessions"})).out, HasSubstr("patrol"));
+  EXPECT_THAT(robot.Run(Patiently({"list", "nodes"})).out, HasSubstr("granting"));
+  EXPECT_THAT(robot.Run(Patiently({"list", "services"})).out, HasSubstr("ask      foxglove.Log  patrol:"));
+  EXPECT_THAT(robot.Run(Patiently({"list", "services", "--json"})).out,
               HasSubstr("\"servers\":[{\"process\":\"patrol\",\"pid\":" + std::to_string(getpid()) + ",\"host\":\""));
   EXPECT_THAT(robot.Run({"list"}).out, Not(HasSubstr("hgros/")));
-  EXPECT_THAT(robot.Run({"list", "--all"}).out, HasSubstr("hgros/snapshots"));
+  EXPECT_THAT(robot.Run(Patiently({"list", "--all"})).out, HasSubstr("hgros/snapshots"));
 }
 
 TEST(HgrosList, WritesNothingWhenNothingRuns) {
@@ -131,7 +136,7 @@ TEST(HgrosList, MeetsASessionBehindAnEndpoint) {
   Session robot(Config::Parse("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}\n"),
                 SessionOptions{"far", [](LogLevel, std::string_view) {}});
   const auto publish = robot.Advertise<Log>("status");
-  const CommandEnd end = RunToEnd({"list", "--connect", robot.PublisherEndpoints().front(), "channels"},
+  const CommandEnd end = RunToEnd(Patiently({"list", "--connect", robot.PublisherEndpoints().front(), "channels"}),
                                   {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
   EXPECT_EQ(end.status, 0) << end.err;
   EXPECT_THAT(end.out, HasSubstr("status   foxglove.Log"));

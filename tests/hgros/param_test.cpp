@@ -29,7 +29,7 @@ class HgrosParam : public testing::Test {
     (void)server_.Declare("gains", std::vector<int>{1, 2});
     service_.emplace(robot_.session(), server_);
     // A session announces its channels a moment after they were made.
-    EXPECT_TRUE(test::Await([this] { return !robot_.Run({"param", "list"}).out.empty(); }));
+    EXPECT_TRUE(test::Await([this] { return !robot_.Run(Patiently({"param", "list"})).out.empty(); }));
   }
   ~HgrosParam() override { std::filesystem::remove_all(file_); }
 
@@ -40,27 +40,27 @@ class HgrosParam : public testing::Test {
 };
 
 TEST_F(HgrosParam, ListsValuesAsTableAndAsJson) {
-  const CommandEnd end = robot_.Run({"param", "list"});
+  const CommandEnd end = robot_.Run(Patiently({"param", "list"}));
   EXPECT_EQ(end.status, 0) << end.err;
   EXPECT_THAT(LinesOf(end.out), ElementsAre("SESSION  PARAMETER       VALUE", "robot    matcher.range   8.0",
                                             "robot    matcher.method  icp", "robot    gains           [1, 2]"));
   EXPECT_EQ(robot_.Run({"list", "params"}).out, end.out);
-  EXPECT_THAT(LinesOf(robot_.Run({"param", "list", "robot", "--json"}).out),
+  EXPECT_THAT(LinesOf(robot_.Run(Patiently({"param", "list", "robot", "--json"})).out),
               ElementsAre(R"({"session":"robot","path":"matcher.range","value":8})",
                           R"({"session":"robot","path":"matcher.method","value":"icp"})",
                           R"({"session":"robot","path":"gains","value":[1,2]})"));
 }
 
 TEST_F(HgrosParam, GetsOneValueOrAPartOfTheTree) {
-  EXPECT_EQ(robot_.Run({"param", "get", "robot", "matcher.range"}).out, "8.0\n");
-  EXPECT_EQ(robot_.Run({"param", "get", "matcher.range"}).out, "8.0\n");
-  EXPECT_EQ(robot_.Run({"param", "get", "robot", "matcher"}).out, "range: 8.0\nmethod: icp\n");
-  EXPECT_EQ(robot_.Run({"param", "get", "gains[1]", "--json"}).out,
+  EXPECT_EQ(robot_.Run(Patiently({"param", "get", "robot", "matcher.range"})).out, "8.0\n");
+  EXPECT_EQ(robot_.Run(Patiently({"param", "get", "matcher.range"})).out, "8.0\n");
+  EXPECT_EQ(robot_.Run(Patiently({"param", "get", "robot", "matcher"})).out, "range: 8.0\nmethod: icp\n");
+  EXPECT_EQ(robot_.Run(Patiently({"param", "get", "gains[1]", "--json"})).out,
             "{\"session\":\"robot\",\"path\":\"gains[1]\",\"value\":2}\n");
 }
 
 TEST_F(HgrosParam, NamesTheNearestSessionAndPath) {
-  const CommandEnd path = robot_.Run({"param", "get", "robot", "matcher.rnge"});
+  const CommandEnd path = robot_.Run(Patiently({"param", "get", "robot", "matcher.rnge"}));
   EXPECT_EQ(path.status, 1);
   EXPECT_EQ(path.err, "hgros: There is no parameter matcher.rnge. Did you mean matcher.range?\n");
   const CommandEnd session = robot_.Run({"param", "get", "robto", "matcher"});
@@ -72,19 +72,19 @@ TEST_F(HgrosParam, AsksForTheSessionIfSeveralOfferParameters) {
   const ParamService second(robot_.session(), server_, "left");
   CommandEnd end;
   EXPECT_TRUE(test::Await([&] {
-    end = robot_.Run({"param", "get", "gains"});
+    end = robot_.Run(Patiently({"param", "get", "gains"}));
     return end.status == 1;
   }));
   EXPECT_EQ(end.err, "hgros: Several sessions offer parameters: left, robot. Name one of them first.\n");
 }
 
 TEST_F(HgrosParam, SetsAllOrNone) {
-  const CommandEnd end = robot_.Run({"param", "set", "robot", "matcher.range", "2.5", "gains", "[-1, 5]"});
+  const CommandEnd end = robot_.Run(Patiently({"param", "set", "robot", "matcher.range", "2.5", "gains", "[-1, 5]"}));
   EXPECT_EQ(end.status, 0) << end.err;
   EXPECT_THAT(LinesOf(end.out), ElementsAre("PARAMETER      BEFORE  VALUE", "matcher.range  8.0     2.5",
                                             "gains          [1, 2]  [-1, 5]"));
   EXPECT_EQ(server_.Get<double>("matcher.range"), 2.5);
-  const CommandEnd refused = robot_.Run({"param", "set", "gains", "[3]", "matcher.range", "-1"});
+  const CommandEnd refused = robot_.Run(Patiently({"param", "set", "gains", "[3]", "matcher.range", "-1"}));
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("matcher.range must be from 0.0 to 30.0 m, but is the number -1."));
   EXPECT_EQ(server_.Get<std::vector<int>>("gains"), (std::vector{-1, 5}));
@@ -93,40 +93,40 @@ TEST_F(HgrosParam, SetsAllOrNone) {
 TEST_F(HgrosParam, ShowsTheRefusalOfAValidator) {
   const auto validator = server_.AddValidator(
       "gains", [](const ParamEvent&) -> std::optional<std::string> { return "The motors are running."; });
-  const CommandEnd end = robot_.Run({"param", "set", "robot", "gains", "[7]"});
+  const CommandEnd end = robot_.Run(Patiently({"param", "set", "robot", "gains", "[7]"}));
   EXPECT_EQ(end.status, 1);
   EXPECT_EQ(end.err, "hgros: The motors are running.\n");
 }
 
 TEST_F(HgrosParam, CreatesAParameterOnlyIfAsked) {
-  const CommandEnd refused = robot_.Run({"param", "set", "robot", "gain", "1"});
+  const CommandEnd refused = robot_.Run(Patiently({"param", "set", "robot", "gain", "1"}));
   EXPECT_EQ(refused.status, 1);
   EXPECT_EQ(refused.err, "hgros: There is no parameter gain. Did you mean gains? With --create it is created.\n");
-  EXPECT_EQ(robot_.Run({"param", "set", "robot", "gain", "1", "--create"}).status, 0);
+  EXPECT_EQ(robot_.Run(Patiently({"param", "set", "robot", "gain", "1", "--create"})).status, 0);
   EXPECT_EQ(server_.Get<int>("gain"), 1);
-  const CommandEnd within = robot_.Run({"param", "set", "robot", "matcher", "{rnage: 2}"});
+  const CommandEnd within = robot_.Run(Patiently({"param", "set", "robot", "matcher", "{rnage: 2}"}));
   EXPECT_EQ(within.status, 1);
   EXPECT_THAT(within.err, HasSubstr("hgros: There is no parameter matcher.rnage. Did you mean matcher.range?"));
-  EXPECT_EQ(robot_.Run({"param", "set", "robot", "matcher", "{range: 3}"}).status, 0);
-  const CommandEnd odd = robot_.Run({"param", "set", "robot", "gain"});
+  EXPECT_EQ(robot_.Run(Patiently({"param", "set", "robot", "matcher", "{range: 3}"})).status, 0);
+  const CommandEnd odd = robot_.Run(Patiently({"param", "set", "robot", "gain"}));
   EXPECT_EQ(odd.status, 2);
   EXPECT_EQ(odd.err, "hgros: The last parameter, gain, has no value.\n");
 }
 
 TEST_F(HgrosParam, DescribesWhatIsDeclared) {
-  const CommandEnd end = robot_.Run({"param", "describe", "robot", "matcher"});
+  const CommandEnd end = robot_.Run(Patiently({"param", "describe", "robot", "matcher"}));
   EXPECT_THAT(LinesOf(end.out),
               ElementsAre("PARAMETER       VALUE  DEFAULT  UNIT  TYPE    RANGE     DESCRIPTION",
                           "matcher.range   8.0    8.0      m     number  0 to 30   how far the laser sees",
                           "matcher.method  icp    icp            text    icp, ndt"));
-  EXPECT_EQ(robot_.Run({"param", "describe", "matcher.range", "--json"}).out,
+  EXPECT_EQ(robot_.Run(Patiently({"param", "describe", "matcher.range", "--json"})).out,
             "{\"session\":\"robot\",\"path\":\"matcher.range\",\"value\":8,\"default\":8,\"unit\":\"m\","
             "\"type\":\"number\",\"least\":0,\"most\":30,"
             "\"choices\":[],\"read_only\":false,\"description\":\"how far the laser sees\"}\n");
 }
 
 TEST_F(HgrosParam, WatchesOneLinePerChange) {
-  CommandRun watch({"param", "watch", "robot", "matcher", "-n", "2"}, robot_.environment());
+  CommandRun watch({"param", "watch", "robot", "matcher", "-n", "2", "--timeout", "60"}, robot_.environment());
   ASSERT_TRUE(test::Await([&] { return watch.err().find("Watching") != std::string::npos; })) << watch.err();
   ASSERT_TRUE(server_.Set("gains", std::vector{9}).ok());
   ASSERT_TRUE(
@@ -140,13 +140,13 @@ TEST_F(HgrosParam, WatchesOneLinePerChange) {
 }
 
 TEST_F(HgrosParam, SavesAFileThatLoadReads) {
-  ASSERT_EQ(robot_.Run({"param", "save", "robot", file_}).status, 0);
+  ASSERT_EQ(robot_.Run(Patiently({"param", "save", "robot", file_})).status, 0);
   std::ifstream in(file_);
   const std::string saved{std::istreambuf_iterator<char>(in), {}};
   EXPECT_EQ(saved, "matcher:\n  range: 8.0\n  method: icp\ngains: [1, 2]\n");
-  EXPECT_EQ(robot_.Run({"param", "save"}).out, saved);
+  EXPECT_EQ(robot_.Run(Patiently({"param", "save"})).out, saved);
   ASSERT_TRUE(server_.Set("matcher.range", 3.0).ok());
-  const CommandEnd load = robot_.Run({"param", "load", "robot", file_});
+  const CommandEnd load = robot_.Run(Patiently({"param", "load", "robot", file_}));
   EXPECT_EQ(load.status, 0) << load.err;
   EXPECT_THAT(LinesOf(load.out), ElementsAre("PARAMETER      BEFORE  VALUE", "matcher.range  3.0     8.0"));
   EXPECT_EQ(server_.Get<double>("matcher.range"), 8.0);
@@ -154,12 +154,12 @@ TEST_F(HgrosParam, SavesAFileThatLoadReads) {
 
 TEST_F(HgrosParam, LoadsAllOrNothingAndNamesThePlaceOfAFault) {
   std::ofstream(file_) << "gains: [5]\nmatcher: {range: 99}\n";
-  const CommandEnd refused = robot_.Run({"param", "load", "robot", file_});
+  const CommandEnd refused = robot_.Run(Patiently({"param", "load", "robot", file_}));
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("matcher.range must be from 0.0 to 30.0 m"));
   EXPECT_EQ(server_.Get<std::vector<int>>("gains"), (std::vector{1, 2}));
   std::ofstream(file_) << "gains: [5\n";
-  const CommandEnd broken = robot_.Run({"param", "load", "robot", file_});
+  const CommandEnd broken = robot_.Run(Patiently({"param", "load", "robot", file_}));
   EXPECT_EQ(broken.status, 2);
   EXPECT_THAT(broken.err, HasSubstr(file_ + ":"));
 }
@@ -170,7 +170,7 @@ TEST_F(HgrosParam, EndsWithCode3WhenTheAnswerIsLate) {
     release.get_future().wait();
     return std::nullopt;
   });
-  const CommandEnd end = robot_.Run({"param", "set", "robot", "gains", "[7]", "--timeout", "0.3"});
+  const CommandEnd end = robot_.Run({"param", "set", "robot", "gains", "[7]", "--timeout", "3"});
   release.set_value();
   EXPECT_EQ(end.status, 3);
   EXPECT_EQ(end.err, "hgros: The session \"robot\" did not answer in time, but it may still do so.\n");
@@ -192,7 +192,7 @@ TEST_F(HgrosParam, RunsItsExamples) {
     const auto examples = ExamplesOf("param " + std::string(command));
     EXPECT_GE(examples.size(), 2U) << command;
     for (const std::vector<std::string>& example : examples) {
-      const CommandEnd end = robot_.Run(example);
+      const CommandEnd end = robot_.Run(Patiently(example));
       EXPECT_EQ(end.status, 0) << testing::PrintToString(example) << end.err;
     }
   }
@@ -202,7 +202,7 @@ TEST_F(HgrosParam, RunsItsExamples) {
 
 TEST_F(HgrosParam, EscapesWhatATerminalWouldObey) {
   ASSERT_TRUE(server_.Set("text", std::string("\x1b[31mred")).ok());
-  EXPECT_EQ(robot_.Run({"param", "get", "text"}).out, "\\x1b[31mred\n");
+  EXPECT_EQ(robot_.Run(Patiently({"param", "get", "text"})).out, "\\x1b[31mred\n");
 }
 
 TEST(HgrosParamAlone, SaysWhenTheWatchedSessionEnds) {
@@ -210,7 +210,7 @@ TEST(HgrosParamAlone, SaysWhenTheWatchedSessionEnds) {
   ParamServer server;
   auto service = std::make_unique<ParamService>(robot->session(), server);
   robot->AwaitAnnounced();
-  CommandRun watch({"param", "watch", "robot"}, robot->environment());
+  CommandRun watch({"param", "watch", "robot", "--timeout", "90"}, robot->environment());
   ASSERT_TRUE(test::Await([&] { return watch.err().find("Watching") != std::string::npos; })) << watch.err();
   service.reset();
   robot.reset();

@@ -28,16 +28,16 @@ TEST(HgrosSchema, ShowsATypeWithoutARobot) {
 TEST(HgrosSchema, ShowsTheTypeOfAChannel) {
   RobotForCommands robot;
   const auto publish = robot.session().Advertise<foxglove::Log>("status");
-  EXPECT_EQ(robot.Run({"schema", "status"}).out, RunToEnd({"schema", "foxglove.Log"}).out);
+  EXPECT_EQ(robot.Run(Patiently({"schema", "status"})).out, RunToEnd({"schema", "foxglove.Log"}).out);
 }
 
 TEST(HgrosSchema, ShowsATypeThatOnlyThePublisherKnows) {
   RobotForCommands robot;
   const RawPublisher publish = robot.session().AdvertiseRaw("grip", GripSchema(), {.latched = 1});
-  const CommandEnd end = robot.Run({"schema", "grip"});
+  const CommandEnd end = robot.Run(Patiently({"schema", "grip"}));
   EXPECT_EQ(end.err, "");
   EXPECT_THAT(end.out, HasSubstr("message Grip {\n  double width = 1;\n  string name = 2;\n}\n"));
-  EXPECT_EQ(robot.Run({"schema", GripSchema().type_name}).out, end.out);
+  EXPECT_EQ(robot.Run(Patiently({"schema", GripSchema().type_name})).out, end.out);
 }
 
 TEST(HgrosSchema, ShowsATypeThatOnlyASubscriberKnows) {
@@ -45,7 +45,7 @@ TEST(HgrosSchema, ShowsATypeThatOnlyASubscriberKnows) {
   const Subscription subscription =
       robot.session().FromAny<robot::Hand>("hand", Invoke::kSerial, [](const robot::Hand&) {});
   for (const char* name : {"hand", "robot.Hand"}) {
-    const CommandEnd end = robot.Run({"schema", name, "--timeout", "20"});
+    const CommandEnd end = robot.Run({"schema", name, "--timeout", "40"});
     EXPECT_EQ(end.err, "");
     EXPECT_THAT(end.out, HasSubstr("message Hand {\n  double width = 1;\n  string name = 2;\n}\n"));
   }

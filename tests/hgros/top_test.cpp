@@ -153,16 +153,16 @@ TEST(HgrosTop, SaysWhyThereIsNoFullScreen) {
 
 TEST(HgrosTop, WritesTablesAndJsonForPrograms) {
   const BusyRobot robot;
-  const CommandEnd table = robot.robot().Run({"top", "nodes", "--once"});
+  const CommandEnd table = robot.robot().Run(Patiently({"top", "nodes", "--once"}));
   EXPECT_EQ(table.status, 0) << table.err;
   EXPECT_THAT(table.out, HasSubstr("NODE     CHANNEL     SESSION"));
   EXPECT_THAT(table.out, HasSubstr("hearing  status      patrol:"));
   EXPECT_THAT(table.out, Not(HasSubstr("\x1b")));
-  const CommandEnd json = robot.robot().Run({"top", "--json", "-n", "1"});
+  const CommandEnd json = robot.robot().Run(Patiently({"top", "--json", "-n", "1"}));
   EXPECT_EQ(LinesOf(json.out).size(), 1U);
   EXPECT_THAT(json.out, testing::StartsWith("{\"process\":\"patrol\",\"pid\":"));
   EXPECT_THAT(json.out, HasSubstr("\"cpu_percent\":"));
-  EXPECT_EQ(robot.robot().Run({"top", "-n", "1"}).status, 0);
+  EXPECT_EQ(robot.robot().Run(Patiently({"top", "-n", "1"})).status, 0);
   EXPECT_THAT(robot.robot().Run({"top", "--once", "-n", "2"}).err, HasSubstr("It contradicts --once."));
   EXPECT_EQ(robot.robot().Run({"top", "--batch", "--timeout", "0.5"}).status, 3);
 }
@@ -170,7 +170,7 @@ TEST(HgrosTop, WritesTablesAndJsonForPrograms) {
 TEST(HgrosTop, ItsExamplesWork) {
   const BusyRobot robot;
   for (const std::vector<std::string>& words : ExamplesOf("top")) {
-    TerminalRun top(words, robot.environment());
+    TerminalRun top(Patiently(words), robot.environment());
     EXPECT_TRUE(top.Shows(words.back() == "2" ? "status" : "patrol")) << testing::PrintToString(words);
     if (words.size() == 1) top.Type("q");
     EXPECT_EQ(top.Wait(), 0) << testing::PrintToString(words);

@@ -87,7 +87,7 @@ test('ClosedParametersAreNotWatched', async (t) => {
     const params = session.params();
     params.declare('speed', 1, { kind: 'integer' });
     params.watch('speed', () => console.log('told too late'));
-    const theirs = session.paramsOf('robot', { timeout: 20000 });
+    const theirs = session.paramsOf('robot', { timeout: 40000 });
     theirs.watch('other', () => {});
     params.set('speed', 2);
     Promise.all([params.close(), theirs.close()]).then(() => console.log('closed'));

@@ -165,7 +165,7 @@ test('TheCommandSeesAndPublishesMessages', async (t) => {
   assert.match(line, /ERROR/);
   const subscription = session.subscribe('answers', undefined, { keepAll: 5 });
   const pub = new Program(t, [COMMAND, 'pub', 'answers', '{message: "from the command", timestamp: {seconds: 5}}',
-    '--type', LOG]);
+    '--type', LOG, '--timeout', '40']);
   const { message, schema } = await subscription.take(patient);
   assert.strictEqual(message.message, 'from the command');
   assert.strictEqual(schema.typeName, LOG);
@@ -175,7 +175,7 @@ test('TheCommandSeesAndPublishesMessages', async (t) => {
 test('TheCommandCallsAService', async (t) => {
   const session = open(t);
   session.serve('shout', LOG, LOG, ({ message }) => ({ message: message.toUpperCase() }));
-  const call = new Program(t, [COMMAND, 'call', 'shout', '{message: hello}', '--json']);
+  const call = new Program(t, [COMMAND, 'call', 'shout', '{message: hello}', '--json', '--timeout', '40']);
   assert.match(await call.line(), /HELLO/);
   assert.strictEqual(await call.end(), 0, call.errors);
 });

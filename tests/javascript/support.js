@@ -6,7 +6,7 @@ const readline = require('readline');
 
 const hgros = require('hgros');
 
-const PATIENCE = 20000;
+const PATIENCE = 45000;
 const patient = { timeout: PATIENCE };
 
 process.env.HGROS_DOMAIN = `js-${process.pid}`;

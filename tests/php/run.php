@@ -7,7 +7,7 @@ use Hgros\HgrosException;
 use Hgros\Session;
 use Hgros\Status;
 
-const PATIENCE = 20.0; // seconds
+const PATIENCE = 45.0; // seconds
 
 set_error_handler(static function (int $level, string $text, string $file, int $line): bool {
     if ((error_reporting() & $level) === 0) {

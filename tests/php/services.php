@@ -79,7 +79,7 @@ function CommandLineSpeaksWithPhp(): void
     $session = Session::open();
     $handler = static fn (Log $log): Log => text("re: {$log->getMessage()}");
     $service = $session->serve('ask', Log::class, Log::class, $handler);
-    $call = Program::commandLine('call', 'ask', '{message: hello}', '--json');
+    $call = Program::commandLine('call', 'ask', '{message: hello}', '--json', '--timeout', '40');
     expectEqual(true, $service->handle(PATIENCE));
     expect(str_contains($call->finish(), '"message":"re: hello"'));
     $publisher = $session->advertise('words', Log::class, latched: 1);
@@ -87,6 +87,6 @@ function CommandLineSpeaksWithPhp(): void
     $echo = Program::commandLine('echo', 'words', '--json', '--count', '1');
     expect(str_contains($echo->finish(), '"message":"from PHP"'));
     $queue = $session->subscribe('more', Log::class);
-    $pub = Program::commandLine('pub', 'more', '{message: from C++}', '--type', 'foxglove.Log');
+    $pub = Program::commandLine('pub', 'more', '{message: from C++}', '--type', 'foxglove.Log', '--timeout', '40');
     expectEqual('from C++', $queue->take(PATIENCE)?->getMessage());
 }

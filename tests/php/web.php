@@ -6,10 +6,10 @@ declare(strict_types=1);
 if (PHP_SAPI !== 'cli') {
     require ini_get('auto_prepend_file'); // Which this server ignores.
     $session = Hgros\Session::open('', 'of the web');
-    $reply = $session->call('ask', new Foxglove\Log(['message' => $_GET['text']]), Foxglove\Log::class, 5.0);
+    $reply = $session->call('ask', new Foxglove\Log(['message' => $_GET['text']]), Foxglove\Log::class, 40.0);
     if ($_GET['text'] === 'fatal') {
         $publisher = $session->advertise('seen', Foxglove\Log::class);
-        $session->waitForSubscribers('seen', 1, 10.0);
+        $session->waitForSubscribers('seen', 1, 40.0);
         $publisher->publish(new Foxglove\Log(['message' => 'here']));
         ini_set('memory_limit', '64M');
         str_repeat('x', 1 << 30);
@@ -36,7 +36,10 @@ function callFromTheWeb(string ...$options): void
 {
     $server = Program::peer('serve', 'ask');
     expectEqual('serving', $server->line());
-    $listener = stream_socket_server('tcp://127.0.0.1:0');
+    // An address of this process's own, so that nobody takes the port before the server does.
+    $number = getmypid();
+    $host = '127.' . (128 | $number >> 15 & 127) . '.' . ($number >> 8 & 127) . '.' . ($number & 255);
+    $listener = stream_socket_server("tcp://$host:0");
     $address = stream_socket_get_name($listener, false);
     fclose($listener);
     $web = new Program(PHP_BINARY, '-d', 'auto_prepend_file=' . ini_get('auto_prepend_file'), ...$options,
@@ -48,7 +51,7 @@ function callFromTheWeb(string ...$options): void
     $session = Hgros\Session::open();
     $seen = $session->subscribe('seen', Foxglove\Log::class);
     @file_get_contents("http://$address/?text=fatal");
-    expectEqual('here', $seen->take(20.0)->getMessage());
+    expectEqual('here', $seen->take(PATIENCE)->getMessage());
     awaitUntil('the session has ended', static fn (): bool => $session->peers() === []);
     expectEqual('re: after', file_get_contents("http://$address/?text=after"));
     $server->finish();

@@ -3,7 +3,7 @@
 import asyncio
 import signal
 
-from support import DEADLINE_S, RobotTest, main
+from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
 from foxglove.Log_pb2 import Log
@@ -64,6 +64,7 @@ class Asyncio(RobotTest):
     def test_several_tasks_wait_for_one_reply(self):
         robot, other = self.session(), self.session()
         robot.serve("double", Vector2, Vector2, lambda request: Vector2(x=2 * request.x))
+        wait_until(lambda: any(one.name == "hgros/call/double" and one.subscribers for one in other.channels()))
 
         async def ask():
             call = other.call("double", Vector2(x=2), Vector2, timeout=DEADLINE_S)

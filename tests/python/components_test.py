@@ -251,6 +251,7 @@ class Components(RobotTest):
                            "  one: {components: [numbers, total]}\n"
                            "  two: {}\n")
         self.check_sum(next(sums))
+        wait_until(lambda: "starting" not in self.hgros("ps").stdout, "the start of both processes")
         for place in ("two", "one", "two"):
             moved = self.hgros("move", "total", "--to", place)
             self.assertEqual(moved.returncode, 0, moved.stderr + self.log())
@@ -307,9 +308,9 @@ class Components(RobotTest):
 
     def test_parameters_change_while_it_runs(self):
         self.robot("components: {total: {type: 'parts:Sum'}}\n")
-        wait_until(lambda: self.hgros("param", "get", "total", "fails_at").stdout.strip() == "0", "the parameter")
-        self.assertEqual(self.hgros("param", "set", "total", "fails_at", "7").returncode, 0)
-        self.assertEqual(self.hgros("param", "get", "total", "fails_at").stdout.strip(), "7")
+        wait_until(lambda: self.hgros("param", "get", "total", "fails_at", "--timeout", "30").stdout.strip() == "0", "the parameter")
+        self.assertEqual(self.hgros("param", "set", "total", "fails_at", "7", "--timeout", "30").returncode, 0)
+        self.assertEqual(self.hgros("param", "get", "total", "fails_at", "--timeout", "30").stdout.strip(), "7")
 
     def test_component_of_the_page_works_as_typed(self):
         blocks = re.findall(r"```(python|yaml)\n(.*?)```", PAGE.read_text(), re.S)

@@ -8,7 +8,7 @@ import tempfile
 import warnings
 
 import numpy as np
-from support import RobotTest, main
+from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
 from foxglove.Log_pb2 import Log
@@ -104,8 +104,9 @@ class Mistakes(RobotTest):
             raise ValueError(f"{RED}\n\u202e")
 
         robot.start()
+        wait_until(lambda: any(one.name == "hgros/call/fails" and one.subscribers for one in other.channels()))
         with self.assertLogs("hgros"):
-            self.refused(lambda: other.call("fails", Log(), Log, timeout=10).result(), hgros.CallError,
+            self.refused(lambda: other.call("fails", Log(), Log, timeout=DEADLINE_S).result(), hgros.CallError,
                          r"ValueError: \x1b[31m\n\u202e")
         self.refused(lambda: robot.transforms.lookup(RED, "b"), hgros.TransformError, r"\x1b[31m")
         self.refused(lambda: robot.subscribe(RED, Log, lambda: 0), TypeError, r"\x1b[31m")

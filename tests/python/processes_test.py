@@ -1,7 +1,7 @@
 import os
 import signal
 
-from support import RobotTest, main, wait_until
+from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
 from foxglove.Log_pb2 import Log
@@ -9,7 +9,7 @@ from foxglove.Log_pb2 import Log
 LISTENER = """
 import hgros
 with hgros.Session() as robot:
-    messages = robot.messages("log", timeout=15)
+    messages = robot.messages("log", timeout=40)
     print("ready", flush=True)
     for message in messages:
         print(message.message, flush=True)
@@ -20,7 +20,7 @@ class Processes(RobotTest):
     def publish_until_heard(self, process, channel="log"):
         robot = self.session()
         publisher = robot.advertise(channel, Log)
-        self.assertTrue(robot.wait_for_subscribers(channel, timeout=15))
+        self.assertTrue(robot.wait_for_subscribers(channel, timeout=DEADLINE_S))
         publisher.publish(Log(message="hello"))
         return robot
 
@@ -132,7 +132,7 @@ class Processes(RobotTest):
                                          "robot._thread.join()\n"
                                          "robot.start()\n"
                                          "publisher.publish(Log(message='again'))\n"
-                                         "again.wait(20)\n")
+                                         "again.wait(40)\n")
         self.assertEqual((out, code), ("again\n", 0), err)
         self.assertIn("A callback called sys.exit() on the thread of start(), which has ended.", err)
 
@@ -140,7 +140,7 @@ class Processes(RobotTest):
         out, err, code = self.run_to_end(
             "robot = hgros.Session()\n"
             "publisher = robot.advertise('log', Log)\n"
-            "messages = robot.messages('log', timeout=5)\n"
+            "messages = robot.messages('log', timeout=40)\n"
             "child = os.fork()\n"
             "if child == 0:\n"
             "    try: robot.subscribe('log', callback=print)\n"
@@ -163,7 +163,7 @@ class Processes(RobotTest):
             "from foxglove.PointCloud_pb2 import PointCloud\n"
             "robot = hgros.Session()\n"
             "publisher = robot.advertise('log', Log)\n"
-            "messages = robot.messages('log', timeout=5)\n"
+            "messages = robot.messages('log', timeout=40)\n"
             "subscription = robot.subscribe('log', Log, lambda message, info: None)\n"
             "service = robot.serve('add', Log, Log, lambda request: Log())\n"
             "call = robot.call('add', Log(), Log)\n"
@@ -216,9 +216,9 @@ class Processes(RobotTest):
             "import gc\n"
             "from foxglove.PointCloud_pb2 import PointCloud\n"
             "robot, other = hgros.Session(), hgros.Session()\n"
-            "messages = other.messages('points', timeout=15, queue=hgros.KeepAll(4))\n"
+            "messages = other.messages('points', timeout=40, queue=hgros.KeepAll(4))\n"
             "publisher = robot.advertise('points', PointCloud)\n"
-            "assert robot.wait_for_subscribers('points', timeout=15)\n"
+            "assert robot.wait_for_subscribers('points', timeout=40)\n"
             "def receive(value):\n"
             "    publisher.publish(PointCloud(data=bytes([value]) * 100_000))\n"
             "    return next(messages)\n"
@@ -287,7 +287,7 @@ class Processes(RobotTest):
                                   "import multiprocessing, hgros, in_child\n"
                                   "if __name__ == '__main__':\n"
                                   "    robot = hgros.Session()\n"
-                                  "    messages = robot.messages('log', timeout=15)\n"
+                                  "    messages = robot.messages('log', timeout=40)\n"
                                   f"    context = multiprocessing.get_context({method!r})\n"
                                   "    child = context.Process(target=in_child.say_hello)\n"
                                   "    child.start()\n"

@@ -1,7 +1,7 @@
 import os
 import unittest.mock
 
-from support import RobotTest, main, wait_until
+from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
 from foxglove.LaserScan_pb2 import LaserScan
@@ -27,11 +27,11 @@ class Publishing(RobotTest):
     def test_late_subscribers_get_latched_messages(self):
         robot, late = self.session(), self.session()
         robot.advertise("map", Log, latched=1).publish(Log(message="latched"))
-        self.assertEqual(next(late.messages("map", Log, timeout=10)).message, "latched")
+        self.assertEqual(next(late.messages("map", Log, timeout=DEADLINE_S)).message, "latched")
 
     def test_full_lossless_queue_raises_and_nothing_is_lost(self):
         robot = self.session()
-        messages = robot.messages("log", Log, timeout=0.2, queue=hgros.KeepAll(2))
+        messages = robot.messages("log", Log, timeout=DEADLINE_S, queue=hgros.KeepAll(2))
         publisher = robot.advertise("log", Log)
         published = 0
         with self.assertRaises(hgros.QueueFull) as refused:
@@ -40,18 +40,20 @@ class Publishing(RobotTest):
                 published += 1
         self.assertIn('channel "log"', str(refused.exception))
         self.assertGreaterEqual(published, 2)
-        self.assertEqual([message.line for message in messages], list(range(published)))
+        self.assertEqual([next(messages).line for _ in range(published)], list(range(published)))
+        messages.timeout = 0.05
+        self.assertEqual(list(messages), [])
         self.assertEqual(messages.dropped, 0)
 
     def test_timeout_waits_for_room(self):
         robot = self.session()
-        messages = robot.messages("log", Log, timeout=5, queue=hgros.KeepAll(1))
+        messages = robot.messages("log", Log, timeout=DEADLINE_S, queue=hgros.KeepAll(1))
         publisher = robot.advertise("log", Log)
         with self.assertRaises(hgros.QueueFull):
             while True:
                 publisher.publish(Log(), timeout=0.05)
         next(messages)
-        publisher.publish(Log(), timeout=10)
+        publisher.publish(Log(), timeout=DEADLINE_S)
 
     def test_publisher_of_a_closed_session_raises(self):
         robot = self.session()
@@ -78,18 +80,23 @@ class Publishing(RobotTest):
 
     def test_queue_of_the_configuration_holds(self):
         robot = self.session(text="data_graph: {nodes: {all: {queue: {keep_all: 3}}}}")
-        messages = robot.messages("log", Log, timeout=0.1, name="all")
+        messages = robot.messages("log", Log, timeout=DEADLINE_S, name="all")
         publisher = robot.advertise("log", Log)
+        published = 0
         with self.assertRaises(hgros.QueueFull):
-            for _ in range(1000):
-                publisher.publish(Log())
-        self.assertGreaterEqual(len(list(messages)), 3)
+            while published < 1000:
+                publisher.publish(Log(line=published))
+                published += 1
+        self.assertGreaterEqual(published, 3)
+        self.assertEqual([next(messages).line for _ in range(published)], list(range(published)))
 
     def test_latched_message_comes_once_if_the_configuration_makes_the_queue_lossless(self):
         robot = self.session(text="data_graph: {nodes: {all: {queue: {keep_all: 3}}}}")
         robot.advertise("log", Log, latched=1).publish(Log(line=1))
-        messages = robot.messages("log", Log, timeout=0.1, name="all")
-        self.assertEqual([message.line for message in messages], [1])
+        messages = robot.messages("log", Log, timeout=DEADLINE_S, name="all")
+        self.assertEqual(next(messages).line, 1)
+        messages.timeout = 0.1
+        self.assertEqual(list(messages), [])
 
     def test_message_of_a_callback_has_its_cause(self):
         robot = self.session()
@@ -115,8 +122,8 @@ class Publishing(RobotTest):
         robot.advertise("log", Log)
         self.assertFalse(robot.wait_for_subscribers("log", timeout=0.0))
         messages = other.messages("log")
-        self.assertTrue(robot.wait_for_subscribers("log", timeout=10))
-        self.assertTrue(other.wait_for_publishers("log", timeout=10))
+        self.assertTrue(robot.wait_for_subscribers("log", timeout=DEADLINE_S))
+        self.assertTrue(other.wait_for_publishers("log", timeout=DEADLINE_S))
         messages.close()
         wait_until(lambda: not robot.wait_for_subscribers("log", timeout=0.0))
 

@@ -17,7 +17,7 @@ class Subscribing(RobotTest):
         heard = []
         robot.subscribe("log", Log, lambda message, info: heard.append((message, info)))
         publisher = other.advertise("log", Log)
-        self.assertTrue(other.wait_for_subscribers("log", timeout=10))
+        self.assertTrue(other.wait_for_subscribers("log", timeout=DEADLINE_S))
         publisher.publish(Log(message="hello"))
         self.spin_until(robot, lambda: heard)
         message, info = heard[0]
@@ -68,7 +68,7 @@ class Subscribing(RobotTest):
 
         robot.subscribe("log", Log, on_log, queue=hgros.KeepAll(1000))
         publisher = robot.advertise("log", Log)
-        thread = threading.Thread(target=lambda: [publisher.publish(Log(line=i), timeout=10) for i in range(500)])
+        thread = threading.Thread(target=lambda: [publisher.publish(Log(line=i), timeout=DEADLINE_S) for i in range(500)])
         thread.start()
         robot.spin()
         thread.join()
@@ -221,7 +221,7 @@ class Subscribing(RobotTest):
             robot.subscribe("log", Log, count(at), queue=hgros.KeepAll(100))
         publisher = robot.advertise("log", Log)
         robot.start()
-        threads = [threading.Thread(target=lambda: [publisher.publish(Log(), timeout=10) for _ in range(100)])
+        threads = [threading.Thread(target=lambda: [publisher.publish(Log(), timeout=DEADLINE_S) for _ in range(100)])
                    for _ in range(4)]
         for thread in threads:
             thread.start()
@@ -399,7 +399,7 @@ class Iterating(RobotTest):
         robot = self.session()
         robot.advertise("log", Log)
         messages = robot.messages("log", Log)
-        self.assertTrue(robot.wait_for_subscribers("log", timeout=10))
+        self.assertTrue(robot.wait_for_subscribers("log", timeout=DEADLINE_S))
         del messages
         wait_until(lambda: not robot.wait_for_subscribers("log", timeout=0.0))
 
@@ -407,7 +407,7 @@ class Iterating(RobotTest):
         async def listen():
             robot = self.session()
             publisher = robot.advertise("log", Log)
-            messages = robot.messages("log", Log, timeout=5)
+            messages = robot.messages("log", Log, timeout=DEADLINE_S)
             asyncio.get_running_loop().call_later(0.02, publisher.publish, Log(line=7))
             async for message in messages:
                 return message.line

@@ -10,7 +10,7 @@ import uuid
 
 import hgros
 
-DEADLINE_S = float(os.environ.get("HGROS_DEADLINE_S", 20.0))
+DEADLINE_S = float(os.environ.get("HGROS_DEADLINE_S", 45.0))
 
 
 def wait_until(predicate, what="the predicate"):

@@ -16,7 +16,7 @@ use hgros_messages::foxglove::Log;
 use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(45);
 const BRIEFLY: Duration = Duration::from_millis(20);
 
 /// A session that meets only those of the same test.

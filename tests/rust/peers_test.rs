@@ -151,7 +151,7 @@ fn the_command_shows_what_is_published() {
     publisher.publish(&log_of("from Rust")).unwrap();
     let said = command(
         "echo",
-        &["echo", "words", "--once", "--json", "--timeout", "20"],
+        &["echo", "words", "--once", "--json", "--timeout", "40"],
     )
     .finish();
     assert!(said.contains("\"from Rust\""), "{said}");
@@ -171,7 +171,7 @@ fn the_command_publishes() {
             "--type",
             "foxglove.Log",
             "--timeout",
-            "20",
+            "40",
         ],
     )
     .finish();
@@ -187,7 +187,7 @@ fn the_command_calls() {
         .unwrap();
     let said = command(
         "call",
-        &["call", "greet", "{message: C++}", "--timeout", "20"],
+        &["call", "greet", "{message: C++}", "--timeout", "40"],
     )
     .finish();
     assert!(said.contains("hello C++"), "{said}");

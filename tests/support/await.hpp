@@ -11,7 +11,7 @@ namespace hgros::test {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(HGROS_EMULATED)
 inline constexpr auto kPatience = std::chrono::seconds(60);
 #else
-inline constexpr auto kPatience = std::chrono::seconds(20);
+inline constexpr auto kPatience = std::chrono::seconds(45);
 #endif
 
 /// Waits until `predicate` is true, checking every millisecond. False after `patience`.

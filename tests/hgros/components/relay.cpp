@@ -109,7 +109,8 @@ class Does {
 };
 HGROS_COMPONENT(Does, "relay/Does")
 
-// Counts the words that it hears in its state, and says what it holds.
+// Counts the words that it hears in its state, and says what it holds; "echo" is not counted. When a state is saved
+// again, it says that it was saved before: the starter hears what the component says after the state itself.
 class Counter {
  public:
   explicit Counter(hgros::Context& context)
@@ -117,6 +118,7 @@ class Counter {
     context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair& word) {
       if (word.value() == "throw") throw std::runtime_error("it does not know this word");
       if (word.value() == "fail") context_.Fail("this word breaks it");
+      if (word.value() == "echo") return Say("holds");
       if (word.value() == "secret") secret_ = true;
       if (word.value() == "slow") Wait(std::chrono::milliseconds(500));
       while (word.value() == "hang") Wait(std::chrono::hours(1));
@@ -128,6 +130,9 @@ class Counter {
   void Activate() { Say("begins at"); }
   [[nodiscard]] KeyValuePair Save() const {
     if (secret_) throw std::runtime_error("its state is secret");
+    times_saved_ = count_ == saved_ ? times_saved_ + 1 : 1;
+    saved_ = count_;
+    if (times_saved_ == 2) Say("has saved");
     return *Numbered(count_);
   }
   void Restore(const KeyValuePair& state) { count_ = std::stoi(state.value()); }
@@ -137,7 +142,7 @@ class Counter {
     std::unique_lock lock(mutex_);
     (void)never_.wait_for(lock, time, [] { return false; });
   }
-  void Say(const std::string& what) {
+  void Say(const std::string& what) const {
     context_.log().Write(hgros::LogLevel::kInfo, what + " " + std::to_string(count_) + ".");
   }
 
@@ -146,6 +151,8 @@ class Counter {
   hgros::Publisher<KeyValuePair> counts_;
   int count_ = 0;
   bool secret_ = false;
+  mutable int saved_ = -1;
+  mutable int times_saved_ = 0;
   std::mutex mutex_;
   std::condition_variable never_;
 };

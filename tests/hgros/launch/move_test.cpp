@@ -50,8 +50,11 @@ class MovingRobot {
       : folder_(text), run_(folder_.Arguments(), folder_.environment()) {}
 
   [[nodiscard]] bool Runs() {
-    const auto starts = [this] { return Command({"ps"}).out.find("starting") != std::string::npos; };
-    return run_.Prints("judging") && test::Await([&] { return !starts(); }) && Ask();
+    const auto runs = [this] {
+      const CommandEnd ps = Command({"ps"});
+      return ps.status == 0 && ps.out.find("starting") == std::string::npos;
+    };
+    return run_.Prints("judging") && test::Await(runs) && Ask();
   }
   [[nodiscard]] CommandEnd Move(const std::string& to) const {
     return RunToEnd({"move", "passing", "--to", to}, folder_.environment());
@@ -70,11 +73,18 @@ class MovingRobot {
   // Asks how far the messages have come.
   [[nodiscard]] int Count() {
     const std::string question = std::to_string(++questions_);
-    EXPECT_EQ(RunToEnd({"pub", "ask", "{value: " + question + "}"}, folder_.environment()).status, 0);
+    EXPECT_EQ(RunToEnd(Patiently({"pub", "ask", "{value: " + question + "}"}), folder_.environment()).status, 0);
     const std::string answer = "answers " + question + ": up to ";
-    if (!run_.Prints(answer)) return -1;
-    const std::string out = run_.out();
-    return std::stoi(out.substr(out.find(answer) + answer.size()));
+    std::string number;
+    const auto answered = [&] {
+      const std::string out = run_.out();
+      const std::size_t at = out.find(answer);
+      const std::size_t end = at == std::string::npos ? at : out.find('.', at);
+      if (end == std::string::npos) return false;
+      number = out.substr(at + answer.size(), end - at - answer.size());
+      return true;
+    };
+    return test::Await(answered) ? std::stoi(number) : -1;
   }
   // Whether messages still come through.
   [[nodiscard]] bool Ask() {
@@ -119,7 +129,7 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothing) {
   EXPECT_TRUE(robot.Ask());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
   const int before = robot.Count();
-  const CommandEnd count = robot.Command({"call", "count", "{}"});
+  const CommandEnd count = robot.Command(Patiently({"call", "count", "{}"}));
   EXPECT_EQ(count.status, 0) << count.err;
   const std::size_t number = count.out.find_first_of("0123456789");
   ASSERT_NE(number, std::string::npos) << count.out;
@@ -176,7 +186,7 @@ TEST(HgrosRestart, OfAComponentLosesNothingAndRepeatsNothing) {
   EXPECT_TRUE(robot.Ask());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
   before = robot.Count();
-  const CommandEnd count = robot.Command({"call", "count", "{}"});
+  const CommandEnd count = robot.Command(Patiently({"call", "count", "{}"}));
   EXPECT_EQ(count.status, 0) << count.err;
   const std::size_t number = count.out.find_first_of("0123456789");
   ASSERT_NE(number, std::string::npos) << count.out;
@@ -209,7 +219,7 @@ TEST(HgrosMove, SaysWhyItCannot) {
 TEST(HgrosMove, AComponentThatCannotBeginInTheNewPlaceStays) {
   MovingRobot robot;
   ASSERT_TRUE(robot.Runs());
-  ASSERT_EQ(robot.Command({"param", "set", "passing", "activate", "false"}).status, 0);
+  ASSERT_EQ(robot.Command(Patiently({"param", "set", "passing", "activate", "false"})).status, 0);
   const CommandEnd end = robot.Move("b");
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.err,
@@ -217,7 +227,7 @@ TEST(HgrosMove, AComponentThatCannotBeginInTheNewPlaceStays) {
   EXPECT_EQ(robot.Places(), std::vector<std::string>{"a"});
   EXPECT_TRUE(robot.Ask()) << robot.out();
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  ASSERT_EQ(robot.Command({"param", "set", "passing", "activate", "true"}).status, 0);
+  ASSERT_EQ(robot.Command(Patiently({"param", "set", "passing", "activate", "true"})).status, 0);
   EXPECT_EQ(robot.Move("b").status, 0);
   EXPECT_TRUE(robot.Ask());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();

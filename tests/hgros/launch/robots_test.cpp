@@ -81,11 +81,11 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStopped) {
   EXPECT_THAT(robot.started(), HasSubstr("COMPONENT"));
   const std::vector<pid_t> pids = PidsIn(robot.started());
   ASSERT_EQ(pids.size(), 3U);
-  EXPECT_TRUE(test::Await([&robot] {
-    return robot.Ask({"ps"}).out.find("b          relay/Does  main") == std::string::npos ||
-           robot.Ask({"ps"}).out.find("finished") != std::string::npos;
+  CommandEnd list;
+  EXPECT_TRUE(test::Await([&] {
+    list = robot.Ask({"ps"});
+    return list.out.find("finished") != std::string::npos && list.out.find("starting") == std::string::npos;
   }));
-  const CommandEnd list = robot.Ask({"ps"});
   EXPECT_EQ(list.status, 0);
   EXPECT_THAT(list.out,
               AllOf(HasSubstr("ROBOT  COMPONENT  TYPE"), ContainsRegex("robot  a +relay/Does +p +[0-9]+  running"),
@@ -103,9 +103,9 @@ TEST(HgrosRobots, ShowsAndFollowsTheLog) {
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
       "programs: {says: {command: [sh, -c, 'echo one; sleep 0.3; echo two; sleep 100']}}\n");
   CommandRun follows({"logs", "-f"}, robot.folder().environment());
-  EXPECT_TRUE(follows.Prints("two"));
-  EXPECT_THAT(follows.out(),
-              AllOf(HasSubstr("a             I run."), HasSubstr("b             I run."), HasSubstr("one")));
+  for (const char* line : {"one", "two", "a             I run.", "b             I run."}) {
+    EXPECT_TRUE(follows.Prints(line)) << follows.out();
+  }
   EXPECT_THAT(robot.Ask({"logs", "a"}).out, AllOf(HasSubstr("I run."), Not(HasSubstr("one"))));
   EXPECT_THAT(robot.Ask({"logs", "says", "--json"}).out, HasSubstr("\"process\":\"says\""));
   EXPECT_THAT(robot.Ask({"logs", "nothing"}).err, HasSubstr("no component, process or program \"nothing\""));
@@ -171,7 +171,8 @@ TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {
   const std::string failed = "It has failed: the laser is broken";
   ASSERT_TRUE(test::Await([&] { return times("c", failed) > 0; }));
   const std::size_t once = times("c", failed);
-  EXPECT_EQ(robot.Ask({"restart", "c"}).status, 0) << "It fails later.";
+  const CommandEnd again = robot.Ask({"restart", "c"});  // It fails later, but perhaps before the starter looks.
+  EXPECT_TRUE(again.status == 0 || again.err.find("has ended again") != std::string::npos) << again.err;
   EXPECT_TRUE(test::Await([&] { return times("c", failed) == 2 * once; }));
   EXPECT_THAT(robot.Ask({"ps"}).out, ContainsRegex("c +relay/Does +main +[0-9]+  failed"));
 }

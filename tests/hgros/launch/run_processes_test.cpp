@@ -117,7 +117,7 @@ TEST(HgrosRunProcesses, AGraphWithACycleRunsAndEnds) {
   CommandRun run(robot.Arguments(), robot.environment());
   const auto ask = [&] { return RunToEnd({"call", "rounds", "{}"}, robot.environment()); };
   ASSERT_TRUE(test::Await([&] { return ask().status == 0; })) << run.out() << run.err();
-  EXPECT_EQ(RunToEnd({"pub", "ping", "{value: \"1\"}"}, robot.environment()).status, 0);
+  EXPECT_EQ(RunToEnd(Patiently({"pub", "ping", "{value: \"1\"}"}), robot.environment()).status, 0);
   const auto rounds = [&] {
     const std::string text = ask().out;
     const std::size_t number = text.find_first_of("0123456789");

@@ -16,13 +16,13 @@ namespace hgros::cli {
 namespace {
 
 // Whether it comes to a group of that name.
-bool IsIn(pid_t process, const std::string& name) {
+bool IsIn(pid_t process, const std::string& name, std::chrono::nanoseconds patience) {
   const auto is_there = [&] {
     std::ifstream file("/proc/" + std::to_string(process) + "/cgroup");
     const std::string groups(std::istreambuf_iterator<char>(file), {});
     return groups.find(name) != std::string::npos;
   };
-  return test::Await(is_there, std::chrono::seconds(1));
+  return test::Await(is_there, patience);
 }
 
 // A process in the group, which has left its process group and session.
@@ -49,7 +49,7 @@ TEST(ControlGroupTest, EndsWhatIsInIt) {
   {
     const ControlGroup group(name + "-1");
     child = ProcessIn(group);
-    if (!IsIn(child, name)) {
+    if (!IsIn(child, name, std::chrono::seconds(5))) {
       (void)kill(child, SIGKILL);
       (void)EndOf(child);
       GTEST_SKIP() << "This user may make no control groups here.";
@@ -58,7 +58,7 @@ TEST(ControlGroupTest, EndsWhatIsInIt) {
   EXPECT_EQ(EndOf(child), SIGKILL);
   const ControlGroup again(name + "-1");
   child = ProcessIn(again);
-  EXPECT_TRUE(IsIn(child, name)) << "The name is free again.";
+  EXPECT_TRUE(IsIn(child, name, test::kPatience)) << "The name is free again.";
   ControlGroup::EndAll(name + "-");
   EXPECT_EQ(EndOf(child), SIGKILL);
 }

@@ -390,8 +390,8 @@ TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
   const auto run = host.Run(robot);
   ASSERT_TRUE(run->Prints("begins at 0.")) << run->out() << run->err();
   const auto say_word = [&] {
-    CommandRun pub({"netns", "exec", host.cable.right, HGROS_COMMAND, "pub", "word", "{value: a}"}, robot.environment(),
-                   -1, "/sbin/ip");
+    CommandRun pub({"netns", "exec", host.cable.right, HGROS_COMMAND, "pub", "word", "{value: a}", "--timeout", "30"},
+                   robot.environment(), -1, "/sbin/ip");
     EXPECT_EQ(pub.Wait(), 0) << pub.err();
   };
   say_word();

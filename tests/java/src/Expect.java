@@ -9,7 +9,7 @@ import org.hgros.SessionOptions;
 
 /** What the tests share. */
 final class Expect {
-  static final Duration PATIENCE = Duration.ofSeconds(20);
+  static final Duration PATIENCE = Duration.ofSeconds(45);
   static final StringValue TEXT = StringValue.getDefaultInstance();
 
   private Expect() {}

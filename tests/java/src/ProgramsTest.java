@@ -179,7 +179,7 @@ final class ProgramsTest {
   public static void theCommandCalls() throws Exception {
     try (Program server = Program.peer("serve", "echo")) {
       server.says("serving");
-      try (Program client = Program.command("call", "echo", "{message: hello}")) {
+      try (Program client = Program.command("call", "echo", "{message: hello}", "--timeout", "40")) {
         client.eventuallySays("re: hello");
       }
       server.ends();
