@@ -374,10 +374,6 @@ void ChannelOutlet::OnSubscribers(std::size_t count) noexcept {
   events_.on_subscribers();
 }
 
-void ChannelOutlet::OnUnsubscribed(SessionId subscriber) noexcept {
-  if (events_.on_unsubscribed) events_.on_unsubscribed(subscriber);
-}
-
 std::vector<SessionId> ChannelOutlet::Subscribers() const {
   const std::scoped_lock lock(order_mutex_);
   return transports_ ? transports_->Subscribers() : std::vector<SessionId>();

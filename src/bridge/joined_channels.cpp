@@ -37,7 +37,8 @@ class JoinedOutbound::Part final : public OutboundSource {
     joined_.TellSubscribers();
   }
   void OnUnsubscribed(SessionId subscriber) noexcept override {
-    if (!joined_.IsSubscriber(subscriber, index_)) joined_.source_.OnUnsubscribed(subscriber);
+    const std::vector<SessionId> moved = joined_.Subscribers(index_);
+    if (std::ranges::find(moved, subscriber) == moved.end()) joined_.source_.OnUnsubscribed(subscriber);
   }
 
   std::unique_ptr<OutboundChannel> channel;
@@ -143,20 +144,11 @@ std::size_t JoinedOutbound::subscriber_count() const noexcept {
   return sum;
 }
 
-bool JoinedOutbound::IsSubscriber(SessionId session, std::size_t except) const {
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i == except) continue;
-    const std::vector<SessionId> there = parts_[i]->channel->Subscribers();
-    if (std::ranges::find(there, session) != there.end()) return true;
-  }
-  return false;
-}
-
-std::vector<SessionId> JoinedOutbound::Subscribers() const {
+std::vector<SessionId> JoinedOutbound::Subscribers(std::optional<std::size_t> except) const {
   std::vector<SessionId> all;
   const std::size_t count = count_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) {
+    if (i == except) continue;
     for (const SessionId one : parts_[i]->channel->Subscribers()) {
       if (std::ranges::find(all, one) == all.end()) all.push_back(one);
     }

@@ -48,7 +48,8 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
 
   [[nodiscard]] std::size_t subscriber_count() const noexcept;
   /// The sessions that subscribe now, each once; without those that were lost and may come back.
-  [[nodiscard]] std::vector<SessionId> Subscribers() const;
+  /// `except`: not over this transport.
+  [[nodiscard]] std::vector<SessionId> Subscribers(std::optional<std::size_t> except = {}) const;
   PublishStatus Reserve() noexcept;
   /// See OutboundChannel. A lack of memory is logged.
   bool Commit(const PacketHead& head, const Payload& data) noexcept;
@@ -74,8 +75,6 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   // The messages that a subscriber gets first.
   [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
   void TellSubscribers();
-  // Over another transport than `except`, as after a move.
-  [[nodiscard]] bool IsSubscriber(SessionId session, std::size_t except) const;
   // Whether `holds` is true for the channel of a transport that has subscribers.
   template <typename Holds>
   [[nodiscard]] bool AnyListened(const Holds& holds) const;

@@ -40,8 +40,8 @@ struct MovingState {
 
 /// The place that a component leaves while it runs. Together with ArrivingComponent, no message is lost, handled twice
 /// or out of order, except for those of publishers that do not count them (MessageInfo::number). Those that several
-/// threads publish at once on one channel in one of the two processes, and those of a concurrent input, are handled once,
-/// but may be out of order.
+/// threads publish at once on one channel in one of the two processes, and those of a concurrent input, are handled
+/// once, but may be out of order.
 ///
 ///     LeavingComponent                      ArrivingComponent
 ///                                           constructed: it receives, and nothing is handled yet

@@ -63,7 +63,9 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   [[nodiscard]] bool may_promise() const noexcept override { return may_promise_; }
   void OnRoom() noexcept override { events_.on_room(); }
   void OnSubscribers(std::size_t count) noexcept override;
-  void OnUnsubscribed(SessionId subscriber) noexcept override;
+  void OnUnsubscribed(SessionId subscriber) noexcept override {
+    if (events_.on_unsubscribed) events_.on_unsubscribed(subscriber);
+  }
 
   [[nodiscard]] const std::string& channel() const noexcept { return channel_; }
   [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
