@@ -60,6 +60,8 @@ void FillStandardStreams() {
 int Main(std::vector<std::string> words) {
   FillStandardStreams();
   (void)std::signal(SIGPIPE, SIG_IGN);  // Writing fails instead, so that the session says goodbye.
+  (void)std::signal(SIGCHLD,
+                    SIG_DFL);  // A parent that ignores it leaves that to us, and we need our children's status.
   Console console;
   try {
     if (words.empty() || words.front() == "-h" || words.front() == "--help") {

@@ -43,13 +43,18 @@ void HostedComponents::Construct(const ComponentCatalog& catalog) {
 
 void HostedComponents::Add(Hosted& one) {
   try {
-    (void)components_.Add(one.kept.Continue(one.setup->setup));
+    (void)components_.Add(Next(one));
   } catch (const Error& error) {
     if (one.kept.params.empty()) throw;
     ForgetParams(one, error);
-    (void)components_.Add(one.kept.Continue(one.setup->setup));
+    (void)components_.Add(Next(one));
   }
   Listen(one);
+}
+
+ComponentSetup HostedComponents::Next(const Hosted& one) {
+  const std::scoped_lock lock(mutex_);
+  return one.kept.Continue(one.setup->setup);
 }
 
 void HostedComponents::Listen(Hosted& one) {
@@ -209,7 +214,7 @@ void HostedComponents::Note(const ComponentStatus& status) {
     Hosted& one = found->second;
     const bool planned = one.restart_at != Clock::time_point::max();
     if (planned && IsOver(status.state)) return;  // Of an instance that ends.
-    one.state = status.state;
+    component.set_changed(std::exchange(one.state, status.state) != status.state);
     const std::string why = status.late > one.late ? "A callback took longer than its deadline." : status.exception;
     component.set_again(PlanRestart(one, status));
     if (component.again() && status.state != ComponentState::kFailed) component.set_sentence(why);
@@ -233,7 +238,7 @@ void HostedComponents::ConstructAgain(const std::string& name) {
     return Restart(one);
   }
   try {
-    components_.ConstructAgain(one.kept.Continue(one.setup->setup), kRestartPatience, [&](const auto& state) {
+    components_.ConstructAgain(Next(one), kRestartPatience, [&](const auto& state) {
       Keep(one, state);
       one.changes = {};
       Forget(one);
@@ -256,13 +261,16 @@ void HostedComponents::Forget(Hosted& one) {
 
 void HostedComponents::Restart(Hosted& one) {
   const std::string& name = one.setup->setup.name;
-  one.changes = {};
   components_.End(name);
+  one.changes = {};  // After its end: what is set until then is kept.
   Forget(one);
+  one.save_at = one.look_at = Clock::time_point::max();
   try {
     Add(one);
     components_.Join();
-    if (started_) components_.Start();
+    if (!started_) return;
+    components_.Start();
+    Plan(one);
   } catch (const std::exception& error) {
     reports_.Line(name, LogLevel::kError, error.what());
     Note({name, ComponentState::kFailed, "It could not be constructed again."});

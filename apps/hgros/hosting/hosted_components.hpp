@@ -86,6 +86,8 @@ class HostedComponents {
   };
 
   void Add(Hosted& one);
+  // How its next instance is constructed.
+  [[nodiscard]] ComponentSetup Next(const Hosted& one);
   void Listen(Hosted& one);
   static void Plan(Hosted& one);
   // Those that were changed, because of `error`.

@@ -128,12 +128,14 @@ int HostComponents(int socket, const RobotFile& robot, const RobotProcess& proce
                    const KeptComponents& kept) {
   Pause pause;
   Reporter reporter(socket);
+  int code = 1;
   try {
-    return Host(reporter, pause, robot, process, kept).Run(catalog);
+    code = Host(reporter, pause, robot, process, kept).Run(catalog);
   } catch (const std::exception& error) {
     reporter.Fault(error.what());
-    return 1;
   }
+  reporter.Flush();
+  return code;
 }
 
 }  // namespace hgros::cli

@@ -1,8 +1,10 @@
 #include "hosting/reporter.hpp"
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -12,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMostUnsentBytes = 1U << 20U;
 constexpr std::size_t kMostReportedLineBytes = 64U << 10U;
+constexpr std::chrono::seconds kFlushPatience{1};  // The starter kills what takes longer to end.
 
 }  // namespace
 
@@ -68,6 +71,17 @@ void Reporter::Write() {
   const std::scoped_lock lock(mutex_);
   (void)stream_.Write();
   TellLost();
+}
+
+void Reporter::Flush() noexcept {
+  const auto deadline = std::chrono::steady_clock::now() + kFlushPatience;
+  while (unsent()) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    pollfd watched{socket(), POLLOUT, 0};
+    if (left.count() <= 0 || (poll(&watched, 1, static_cast<int>(left.count())) < 0 && errno != EINTR)) return;
+    if ((watched.revents & (POLLERR | POLLHUP)) != 0) return;  // The starter has gone.
+    Write();
+  }
 }
 
 bool Reporter::unsent() {

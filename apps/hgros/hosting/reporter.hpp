@@ -33,6 +33,8 @@ class Reporter final : public ComponentReports {
   void Wake() noexcept override;
   void Slept() noexcept;
   void Write();
+  /// At the end: waits until the starter has all that was told, at most for a second.
+  void Flush() noexcept;
   [[nodiscard]] bool unsent();
   /// Whether so much waits to be written that lines are lost.
   [[nodiscard]] bool full() override;

@@ -111,7 +111,7 @@ void Mover::Begin(const std::string& component, const std::string& to) {
       results_[component] = {true, {}};
       return;
     }
-    if (from.alone == component) throw Error(NamedPlace(component) + " is constructed again at this moment.");
+    if (from.alone.contains(component)) throw Error(NamedPlace(component) + " is constructed again at this moment.");
     Move& move = moves_.emplace(component, Move{component, ++attempts_, &from, &place}).first->second;
     Go(move, Stage::kLooks, kLookPatience);
     Send(from, OrderOf(move, Step::LOOK));

@@ -2,6 +2,7 @@
 
 #include <poll.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -39,8 +40,8 @@ struct StartedUnit {
   int status = 0;  ///< Of its last end.
   std::uint64_t starts = 0;
   Clock::time_point started{};                           ///< The last time.
-  Clock::time_point kill_at = Clock::time_point::max();  ///< It was told to end.
-  std::string alone{};                                   ///< The component that is constructed again, as asked.
+  Clock::time_point kill_at = Clock::time_point::max();  ///< It was told to end, or see `alone`.
+  std::map<std::string, Clock::time_point> alone{};      ///< Components that are constructed again; the latest time.
   bool again = false;                                    ///< Is to be started again when it has ended.
   Clock::time_point due{};                               ///< When it is started.
   RestartPauses restarts{};
@@ -70,8 +71,16 @@ struct StartedUnit {
   }
   /// A component is constructed again alone. If that takes too long, its process is.
   void AwaitAlone(const std::string& component) {
-    alone = component;
-    kill_at = Clock::now() + std::chrono::seconds(5);
+    alone[component] = Clock::now() + std::chrono::seconds(5);
+    KillIfLate();
+  }
+  void NoteAlone(const std::string& component) {
+    if (alone.erase(component) > 0) KillIfLate();
+  }
+  void KillIfLate() {
+    if (stage == UnitStage::kEnds || again) return;
+    kill_at = Clock::time_point::max();
+    for (const auto& [component, latest] : alone) kill_at = std::min(kill_at, latest);
   }
   [[nodiscard]] bool runs_components() const { return process != nullptr && stage == UnitStage::kRunning && !again; }
 };

@@ -260,13 +260,11 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   if (state != ComponentState::kRunning) mover_.Disturb(component.name(), "It has ended.");
   if (component.again()) {
     code_ = kFailed;
-    if (unit.alone.empty()) unit.AwaitAlone(component.name());
+    if (!unit.alone.contains(component.name())) unit.AwaitAlone(component.name());
     return say(LogLevel::kError, "It is constructed again, because it has failed");
   }
-  if (unit.alone == component.name() && state >= ComponentState::kRunning) {
-    unit.alone.clear();
-    unit.kill_at = Clock::time_point::max();
-  }
+  if (!component.changed()) return;
+  if (state >= ComponentState::kRunning) unit.NoteAlone(component.name());
   if (state == ComponentState::kRunning) {
     unit.ended.erase(component.name());
     if (!mover_.Moves(component.name())) ++unit.runs[component.name()];
@@ -340,6 +338,7 @@ std::uint64_t Starter::Restart(const std::string& unit) {
     found->again = true;
     TellToEnd(*found);
   } else {
+    found->failed = false;
     found->stage = Stage::kWaits;
     found->due = Clock::now();
   }

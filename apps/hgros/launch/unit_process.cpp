@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <exception>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -75,7 +76,12 @@ void SetUp(const RobotUnit& unit) {
   (void)close_range(static_cast<unsigned>(socket) + 1, ~0U, 0);
   (void)setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   SetUp(unit);
-  const int code = body(socket);
+  int code = kNotStarted;
+  try {
+    code = body(socket);
+  } catch (const std::exception& error) {  // Behind this call, the process would be a second starter.
+    (void)fprintf(stderr, "%s\n", error.what());
+  }
   (void)fflush(nullptr);
   _exit(code);
 }

@@ -10,6 +10,8 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include <foxglove/KeyValuePair.pb.h>
 #include <foxglove/PoseInFrame.pb.h>
@@ -68,7 +70,11 @@ HGROS_COMPONENT(Checker, "relay/Checker")
 class Does {
  public:
   explicit Does(hgros::Context& context) : context_(context), what_(context.Declare("what", std::string("nothing"))) {
-    if (what_ == "throw at start") throw std::runtime_error("there is no laser at /dev/ttyUSB0");
+    const bool again = std::exchange(constructed_before, true);
+    if (what_ == "throw at start" || (what_ == "throw at restart" && again)) {
+      throw std::runtime_error("there is no laser at /dev/ttyUSB0");
+    }
+    if (what_ == "throw late" && again) std::this_thread::sleep_for(std::chrono::seconds(1));
     // A FIFO: waits until somebody opens it for writing.
     if (const char* door = std::getenv("RELAY_DOOR")) close(open(door, O_RDONLY | O_CLOEXEC));
     context.CreateTimer("soon", std::chrono::milliseconds(50), [this](const hgros::Tick&) { Do(); });
@@ -91,7 +97,11 @@ class Does {
     if (what_ == "exit well") _exit(0);
     if (what_ == "fail") context_.Fail("the laser is broken");
     if (what_ == "finish") context_.Finish("enough");
-    if (what_ == "throw") throw std::runtime_error("it is too dark");
+    if (what_ == "throw late") {
+      context_.log().Write(hgros::LogLevel::kInfo, "I wait.");
+      std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    }
+    if (what_ == "throw" || what_ == "throw late") throw std::runtime_error("it is too dark");
     if (what_ == "log") context_.log().Write(hgros::LogLevel::kWarning, "It is\n\x1b[31mdark.");
     if (what_ == "allocate") allocated_.resize(std::size_t{600} << 20U);
     if (what_ == "log much") context_.log().Write(hgros::LogLevel::kInfo, std::string(std::size_t{70} << 20U, 'x'));
@@ -101,6 +111,8 @@ class Does {
     }
     if (what_ == "print") std::printf("printed, and\nin two lines\n");
   }
+
+  static inline bool constructed_before = false;
 
   hgros::Context& context_;
   const std::string what_;
@@ -114,7 +126,10 @@ HGROS_COMPONENT(Does, "relay/Does")
 class Counter {
  public:
   explicit Counter(hgros::Context& context)
-      : context_(context), step_(context.Declare("step", 1)), counts_(context.Advertise<KeyValuePair>("count")) {
+      : context_(context),
+        step_(context.Declare("step", 1)),
+        ballast_bytes_(context.Declare("ballast_bytes", 0)),
+        counts_(context.Advertise<KeyValuePair>("count")) {
     context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair& word) {
       if (word.value() == "throw") throw std::runtime_error("it does not know this word");
       if (word.value() == "fail") context_.Fail("this word breaks it");
@@ -133,7 +148,9 @@ class Counter {
     times_saved_ = count_ == saved_ ? times_saved_ + 1 : 1;
     saved_ = count_;
     if (times_saved_ == 2) Say("has saved");
-    return *Numbered(count_);
+    KeyValuePair state = *Numbered(count_);
+    state.set_key(std::string(static_cast<std::size_t>(ballast_bytes_), 'x'));
+    return state;
   }
   void Restore(const KeyValuePair& state) { count_ = std::stoi(state.value()); }
 
@@ -148,6 +165,7 @@ class Counter {
 
   hgros::Context& context_;
   int step_;
+  const int ballast_bytes_;
   hgros::Publisher<KeyValuePair> counts_;
   int count_ = 0;
   bool secret_ = false;

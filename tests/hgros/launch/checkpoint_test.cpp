@@ -74,6 +74,44 @@ TEST(HgrosCheckpoint, ARestartOnRequestLosesNothing) {
   EXPECT_TRUE(robot.Prints("begins at 2.")) << "The component alone.";
 }
 
+// The state is larger than what the starter's socket takes at once.
+TEST(HgrosCheckpoint, ARestartOnRequestLosesNothingOfALargeState) {
+  RunningRobot robot(
+      "components:\n"
+      "  counter: {type: relay/Counter, checkpoint: 1h, params: {ballast_bytes: 20000000}}\n"
+      "  other: {type: relay/Does}\n"
+      "processes: {p: {components: [counter]}}\n");
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  EXPECT_EQ(robot.Ask({"restart", "p"}).status, 0);
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+}
+
+TEST(HgrosCheckpoint, AComponentThatCannotBeConstructedAgainEndsNoOther) {
+  RunningRobot robot(
+      "components:\n"
+      "  bad: {type: relay/Does, deadline: 100ms, params: {what: throw at restart}}\n"
+      "  other: {type: relay/Does}\n"
+      "processes: {p: {components: [bad, other]}}\n");
+  ASSERT_TRUE(robot.Prints("other  I run."));
+  (void)robot.Ask({"restart", "bad"});
+  ASSERT_TRUE(robot.Prints("It has failed"));
+  test::Linger(std::chrono::milliseconds(1500));  // Meanwhile the process looks for callbacks that hang, each second.
+  EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("other[^\n]*running"));
+}
+
+TEST(HgrosCheckpoint, ARestartOfOneComponentEndsWhenTheNextInstanceRuns) {
+  RunningRobot robot("components: {bad: {type: relay/Does, params: {what: throw late}}, other: {type: relay/Does}}\n");
+  ASSERT_TRUE(robot.Prints("I wait."));
+  EXPECT_EQ(robot.Ask({"restart", "bad"}).status, 0) << "Meanwhile a callback of the last one throws.";
+  const std::string out = robot.out();
+  std::size_t begun = 0;
+  for (std::size_t at = out.find("bad    I run."); at != std::string::npos; at = out.find("bad    I run.", at + 1))
+    ++begun;
+  EXPECT_EQ(begun, 2U) << out;
+}
+
 TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsStartsItsProcessAgain) {
   RunningRobot robot(
       "components: {counter: {type: relay/Counter, checkpoint: 20ms}, other: {type: relay/Does}}\n"

@@ -34,6 +34,14 @@ components:
   two: {type: relay/Checker}
 )";
 
+TEST(HgrosRun, NoticesTheEndOfItsProcessesAlthoughItsParentIgnoresTheirSignal) {
+  const RobotFolder folder("components: {bad: {type: relay/Does, params: {what: exit}}}\n");
+  auto environment = folder.environment();
+  environment["ROBOT"] = folder.file();
+  const CommandEnd end = RunInShell("trap '' CHLD; exec $HGROS run $ROBOT", environment);
+  EXPECT_EQ(end.status, 1) << end.out << end.err;
+}
+
 TEST(HgrosRun, RunsComponentsUntilAllHaveFinished) {
   const RobotFolder robot(kThree);
   const CommandEnd end = robot.Run();
