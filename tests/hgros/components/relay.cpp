@@ -10,7 +10,6 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include <foxglove/KeyValuePair.pb.h>
@@ -74,7 +73,7 @@ class Does {
     if (what_ == "throw at start" || (what_ == "throw at restart" && again)) {
       throw std::runtime_error("there is no laser at /dev/ttyUSB0");
     }
-    if (what_ == "throw late" && again) std::this_thread::sleep_for(std::chrono::seconds(1));
+    if (what_ == "throw late" && again) Wait(std::chrono::seconds(1));
     // A FIFO: waits until somebody opens it for writing.
     if (const char* door = std::getenv("RELAY_DOOR")) close(open(door, O_RDONLY | O_CLOEXEC));
     context.CreateTimer("soon", std::chrono::milliseconds(50), [this](const hgros::Tick&) { Do(); });
@@ -99,7 +98,7 @@ class Does {
     if (what_ == "finish") context_.Finish("enough");
     if (what_ == "throw late") {
       context_.log().Write(hgros::LogLevel::kInfo, "I wait.");
-      std::this_thread::sleep_for(std::chrono::milliseconds(700));
+      Wait(std::chrono::milliseconds(700));
     }
     if (what_ == "throw" || what_ == "throw late") throw std::runtime_error("it is too dark");
     if (what_ == "log") context_.log().Write(hgros::LogLevel::kWarning, "It is\n\x1b[31mdark.");
@@ -112,12 +111,19 @@ class Does {
     if (what_ == "print") std::printf("printed, and\nin two lines\n");
   }
 
+  void Wait(std::chrono::milliseconds time) {
+    std::unique_lock lock(mutex_);
+    (void)never_.wait_for(lock, time, [] { return false; });
+  }
+
   static inline bool constructed_before = false;
 
   hgros::Context& context_;
   const std::string what_;
   bool done_ = false;
   std::string allocated_;
+  std::mutex mutex_;
+  std::condition_variable never_;
 };
 HGROS_COMPONENT(Does, "relay/Does")
 
