@@ -67,6 +67,7 @@ class BridgeCore final : private DiscoveryListener {
   void Receive(const Visit& visit) const noexcept { open_.Receive(visit); }
   [[nodiscard]] TransportStats stats() const { return open_.stats(); }
   /// Says goodbye to all peers, and sends published messages for at most `linger_ms`.
+  void Leave() noexcept { open_.Leave(); }
   void Close(int linger_ms) noexcept;
 
  private:

@@ -73,6 +73,7 @@ void NetworkBridge::Receive(const Visit& visit) noexcept { core_->Receive(visit)
 
 TransportStats NetworkBridge::stats() const { return core_->stats(); }
 
+void NetworkBridge::Leave() noexcept { core_->Leave(); }
 void NetworkBridge::Close(int linger_ms) noexcept { core_->Close(linger_ms); }
 
 }  // namespace hgros

@@ -46,6 +46,12 @@ TransportStats OpenTransports::stats() const {
   return sum;
 }
 
+void OpenTransports::Leave() noexcept {
+  for (const Slot& slot : slots_) {
+    if (Transport* const transport = slot.open.load(std::memory_order_acquire)) transport->Leave();
+  }
+}
+
 void OpenTransports::Close(int linger_ms) noexcept {
   for (const Slot& slot : slots_) {
     if (Transport* const transport = slot.open.load(std::memory_order_acquire)) transport->Close(linger_ms);

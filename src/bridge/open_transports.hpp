@@ -34,6 +34,7 @@ class OpenTransports {
   /// See Transport::Receive(). The cheapest transport is read.
   void Receive(const Visit& visit) const noexcept;
   [[nodiscard]] TransportStats stats() const;
+  void Leave() noexcept;
   void Close(int linger_ms) noexcept;
 
  private:

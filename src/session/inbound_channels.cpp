@@ -141,6 +141,7 @@ void InboundChannels::Close() {
   {
     const std::scoped_lock lock(mutex_);
     closed_ = true;
+    if (bridge_ != nullptr) bridge_->Leave();
     for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
   }
   for (const auto& inlet : inlets) inlet->Detach();

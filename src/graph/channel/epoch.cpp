@@ -43,9 +43,16 @@ Reader* TakeReader() noexcept {
   return reader;
 }
 
+// Both outlive the thread's other thread-local objects, which may still publish in their destructors.
+thread_local Reader* reader_here = nullptr;
+thread_local bool thread_ends = false;
+
+// Gives the reader back. Who comes later on this thread gets one that is not given back.
 struct Registration {
-  Reader* reader = TakeReader();
-  ~Registration() { reader->taken.store(false, std::memory_order_release); }
+  ~Registration() {
+    thread_ends = true;
+    std::exchange(reader_here, nullptr)->taken.store(false, std::memory_order_release);
+  }
 };
 
 std::uint64_t OldestActive() noexcept {
@@ -60,8 +67,11 @@ std::uint64_t OldestActive() noexcept {
 }  // namespace
 
 Reader& ThisThread() noexcept {
-  thread_local Registration registration;
-  return *registration.reader;
+  if (reader_here == nullptr) [[unlikely]] {
+    reader_here = TakeReader();
+    if (!thread_ends) thread_local const Registration registration;
+  }
+  return *reader_here;
 }
 
 std::uint64_t Current() noexcept {

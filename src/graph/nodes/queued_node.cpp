@@ -21,7 +21,12 @@ void QueuedNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t&)
     std::unique_lock lock(mutex_, std::defer_lock);
     SpinThenLock(lock);
     if (reserved) ring_.Cancel(delivery.bytes);
-    if (closed_) return;
+    if (closed_) [[unlikely]] {
+      const bool missed = std::exchange(refused_, false);
+      lock.unlock();
+      if (missed) NotifyRoom();  // A publisher waits for the room that was reserved.
+      return;
+    }
     // Single writers under the lock; the atomics are for readers outside it.
     Add(received_, std::uint64_t{1}, Writers::kOne);
     dropped = ring_.Push(delivery);

@@ -65,6 +65,9 @@ struct SharedState {
   std::array<std::atomic<std::uint64_t>, kPacketFaultCount> faults{};
   std::atomic<std::uint64_t> repeats{0};
   std::atomic<std::uint64_t> refused_handshakes{0};  ///< Besides those that the AdmissionDesk has refused.
+  // A goodbye follows. ZeroMQ reads few messages ahead, and on ipc it drops what it has not read when a peer closes the
+  // connection: many that end subscriptions would keep the goodbye from being read.
+  std::atomic<bool> leaving{false};
   std::atomic<bool> closing{false};
   InputFlags input_flags;
   Context context;

@@ -49,6 +49,7 @@ class OwningZmqTransport final : public ZmqTransport {
     stats.repeats = core_->shared().repeats.load();
     return stats;
   }
+  void Leave() noexcept override { core_->shared().leaving = true; }
   void Close(int linger_ms) noexcept override {
     if (!core_->IsChild()) core_->Close(linger_ms);
   }

@@ -35,6 +35,35 @@ TEST(Epoch, NestedGuardsCountAsOne) {
   EXPECT_TRUE(watch.expired());
 }
 
+// Destructors of thread-local and static objects may publish after the library's own thread-local objects have ended.
+TEST(Epoch, AThreadThatEndsSharesItsReaderWithNoOther) {
+  struct Late {
+    ~Late() {
+      Await([this] { return others->load(); });
+      reader->store(&epoch::ThisThread());
+      Await([this] { return !others->load(); });
+    }
+    std::atomic<const epoch::Reader*>* reader = nullptr;
+    std::atomic<bool>* others = nullptr;
+  };
+  std::atomic<const epoch::Reader*> late{nullptr};
+  std::atomic<bool> others{false};
+  std::jthread ending([&] {
+    thread_local Late last;  // Constructed first, and so destroyed last.
+    last.reader = &late;
+    last.others = &others;
+    (void)epoch::ThisThread();
+  });
+  std::vector<const epoch::Reader*> readers;
+  others = true;
+  ASSERT_TRUE(Await([&] { return late.load() != nullptr; }));
+  for (int i = 0; i < 8; ++i) {
+    std::jthread([&] { readers.push_back(&epoch::ThisThread()); }).join();
+    EXPECT_NE(readers.back(), late.load());
+  }
+  others = false;
+}
+
 TEST(Epoch, ReadersNeverSeeAFreedObject) {
   struct Value {
     explicit Value(int number) : first(number), second(number) {}

@@ -87,6 +87,8 @@ class NetworkBridge {
   /// See Transport::Receive().
   void Receive(const Visit& visit) noexcept;
   [[nodiscard]] TransportStats stats() const;
+  /// See Transport::Leave().
+  void Leave() noexcept;
   /// Sends a goodbye to all peers, and the published messages as far as `linger_ms` allows.
   void Close(int linger_ms) noexcept;
 

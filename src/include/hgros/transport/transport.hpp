@@ -82,6 +82,8 @@ class Transport {
   /// Whether the calling thread is in Receive() of a transport.
   [[nodiscard]] static bool IsVisitor() noexcept;
 
+  /// Close() follows soon, so the peers need not be told of each subscription that ends until then.
+  virtual void Leave() noexcept {}
   /// Says goodbye to the peers, sends committed messages as far as `linger_ms` allows, and stops receiving. Later calls
   /// do nothing.
   virtual void Close(int linger_ms) noexcept = 0;

@@ -262,11 +262,12 @@ void SubscribedChannels::EndLink(InLink& link, Actions& actions, OfferEnd why) {
 }
 
 void SubscribedChannels::StopAsking(InLink& link, std::string_view mismatch, Actions& actions) {
-  SetPlain(link, false);
-  if (std::exchange(link.subscribed, false)) {
+  const bool tells = !shared_.leaving;
+  if (tells) SetPlain(link, false);
+  if (std::exchange(link.subscribed, false) && tells) {
     connection_.SubscribeTopic(PeerTopic(link.core->name, shared_.self.info.id), false);
   }
-  if (link.asked && publisher_.alive && !IsClaimedBeside(link)) SendUnsubscribe(link.core->name, mismatch);
+  if (tells && link.asked && publisher_.alive && !IsClaimedBeside(link)) SendUnsubscribe(link.core->name, mismatch);
   SetAsked(link, false);
   ReleaseClaim(link, actions);
   EndLink(link, actions);
