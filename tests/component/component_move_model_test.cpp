@@ -218,7 +218,11 @@ class ComponentMoveModelTest : public DomainFixture {
 };
 
 TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
+#ifdef __SANITIZE_THREAD__
+  constexpr int kMoves = 8;
+#else
   constexpr int kMoves = 25;
+#endif
   pauses.Clear();
   const auto seed = static_cast<std::uint32_t>(testing::UnitTest::GetInstance()->random_seed());
   SCOPED_TRACE("--gtest_shuffle --gtest_random_seed=" + std::to_string(seed));
@@ -238,11 +242,11 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
   threads.push_back(Publishing(outside_, "newest", "newest", {}, std::chrono::microseconds(300), seed + 2));
   threads.push_back(
       Publishing(outside_, "latched", "latched", {.latched = 1}, std::chrono::microseconds(2000), seed + 3));
-  threads.push_back(Publishing(outside_, "concurrent", "concurrent", {}, std::chrono::microseconds(500), seed + 4));
-  threads.push_back(
-      Publishing(publishing.session, "concurrent", "concurrent near", {}, std::chrono::microseconds(500), seed + 5));
+  const std::chrono::microseconds pause(2000);
+  threads.push_back(Publishing(outside_, "concurrent", "concurrent", {}, pause, seed + 4));
+  threads.push_back(Publishing(publishing.session, "concurrent", "concurrent near", {}, pause, seed + 5));
   for (const char* tag : {"shared one", "shared two"}) {  // Two threads publish at once.
-    threads.push_back(Publishing(publishing.session, "shared", tag, {}, std::chrono::microseconds(500), seed + 6));
+    threads.push_back(Publishing(publishing.session, "shared", tag, {}, pause, seed + 6));
   }
   threads.emplace_back([this] { CallUntilEnd(); });
   // The first messages of a publisher that begins in the middle of a move may come before it knows the new place.

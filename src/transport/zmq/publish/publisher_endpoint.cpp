@@ -245,9 +245,11 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
     case wire::Control::kCredit: subscriptions_.OnCredit(*peer, control->credit(), actions); break;
     case wire::Control::kOrder: OnOrder(*peer, std::move(*control->mutable_order()), frame, actions); break;
     case wire::Control::kHeartbeat: peers_.OnHeartbeat(*peer, control->heartbeat(), actions); break;
-    case wire::Control::kBye:
-      peers_.Drop(session, "it said goodbye", actions, PublishedChannels::LinkEnd::kUnsubscribed);
+    case wire::Control::kBye: {
+      using End = PublishedChannels::LinkEnd;
+      peers_.Drop(session, "it said goodbye", actions, control->bye().unsubscribes() ? End::kUnsubscribed : End::kLost);
       break;
+    }
     default: shared_.CountPeerFault(PacketFault::kHead, peer->name(), "a publisher's control message");
   }
 }

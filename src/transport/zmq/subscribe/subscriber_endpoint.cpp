@@ -376,7 +376,7 @@ void SubscriberEndpoint::Close(int linger_ms, bool others, Actions& actions) {
     channels_.DropAll(actions);
   } else {
     auto bye = ControlFrom(shared_.self.info.id);
-    bye.mutable_bye();
+    bye.mutable_bye()->set_unsubscribes(shared_.leaving);
     connection_.Send(bye);
   }
   LosePublisher("the endpoint was closed", true, actions);
