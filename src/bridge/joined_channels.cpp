@@ -5,7 +5,6 @@
 #include <numeric>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "hgros/clock/time.hpp"
 
@@ -37,8 +36,9 @@ class JoinedOutbound::Part final : public OutboundSource {
     joined_.TellSubscribers();
   }
   void OnUnsubscribed(SessionId subscriber) noexcept override {
-    const std::vector<SessionId> moved = joined_.Subscribers(index_);
-    if (std::ranges::find(moved, subscriber) == moved.end()) joined_.source_.OnUnsubscribed(subscriber);
+    joined_.gate_.Through([&] {  // The other parts end behind it.
+      if (std::ranges::count(joined_.Subscribers(index_), subscriber) == 0) joined_.source_.OnUnsubscribed(subscriber);
+    });
   }
 
   std::unique_ptr<OutboundChannel> channel;
