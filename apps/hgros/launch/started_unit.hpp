@@ -82,6 +82,7 @@ struct StartedUnit {
     kill_at = Clock::time_point::max();
     for (const auto& [component, latest] : alone) kill_at = std::min(kill_at, latest);
   }
+  [[nodiscard]] bool begins() const { return stage < UnitStage::kRunning; }
   [[nodiscard]] bool runs_components() const { return process != nullptr && stage == UnitStage::kRunning && !again; }
 };
 

@@ -123,7 +123,10 @@ void Starter::SayWhatIsLate() {
 void Starter::Advance() {
   if (ending_) return;
   SayWhatIsLate();
-  if (released_) return;
+  if (released_) {
+    const bool tells = options_.on_running && std::ranges::none_of(units_, &Unit::begins);
+    return tells ? std::exchange(options_.on_running, nullptr)() : void();
+  }
   const auto all = [this](Stage stage) {
     return std::ranges::all_of(units_, [stage](const Unit& unit) {
       return unit.program != nullptr || (unit.stage >= stage && unit.stage < Stage::kEnds);
@@ -144,7 +147,6 @@ void Starter::Advance() {
     StartDue();
     if (ending_) return;
     log_.ShowStates(statuses());
-    if (options_.on_running) options_.on_running();
   }
 }
 

@@ -104,7 +104,7 @@ class Starter {
   const RobotGraph& graph_;
   const ComponentCatalog& catalog_;
   Surroundings& surroundings_;
-  const StarterOptions options_;
+  StarterOptions options_;
   std::vector<Unit> units_;  // In the order of their start.
   StarterClients clients_;
   RobotLog log_;

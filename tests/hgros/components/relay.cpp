@@ -80,6 +80,7 @@ class Does {
   }
   void Activate() {
     while (what_ == "hang at start") (void)pause();
+    if (what_ == "run late") Wait(std::chrono::milliseconds(700));
     context_.log().Write(hgros::LogLevel::kInfo, "I run.");
   }
   void Deactivate() {

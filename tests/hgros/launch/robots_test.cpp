@@ -98,6 +98,11 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStopped) {
   EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("No robot was started here by this user in the domain"));
 }
 
+TEST(HgrosRobots, ADetachedRobotRunsWhenItsCommandReturns) {
+  const DetachedRobot robot("components: {a: {type: relay/Does, params: {what: run late}}}\n");
+  EXPECT_THAT(robot.Ask({"ps"}).out, ContainsRegex("robot  a +relay/Does +main +[0-9]+  running"));
+}
+
 TEST(HgrosRobots, ShowsAndFollowsTheLog) {
   const DetachedRobot robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
