@@ -86,10 +86,11 @@ func open(yaml *C.char, files **C.char, count int, options *SessionOptions) (*Se
 	}); err != nil {
 		return nil, err
 	}
-	session.free = func() {
+	free := func() {
 		C.hgros_session_close(session.handle)
 		close(session.freed)
 	}
+	session.free = func() { outside(free) }
 	return session, nil
 }
 
@@ -106,11 +107,7 @@ func (s *Session) End() {
 // not wait: what is left is done once the callback has returned. A callback must not wait for a goroutine that closes.
 func (s *Session) Close() {
 	s.End()
-	if C.GoInCallback() > 0 {
-		go s.finish()
-		return
-	}
-	s.finish()
+	outside(s.finish)
 }
 
 func (s *Session) finish() {
