@@ -67,7 +67,8 @@ class Life {
   std::vector<std::weak_ptr<Dependent>> dependents_;
 };
 
-// An object of a session in a handle. Functions of it that wait get `stop`.
+// An object of a session in a handle. Functions of it that wait get `stop`, or the object has EndWaits(), which does
+// not wait.
 //
 // Thread safety: all functions. A use may use it again, for example in a callback.
 template <class T>
@@ -101,6 +102,9 @@ class Held final : public Dependent {
     stop_.request_stop();
     const std::scoped_lock lock(mutex_);
     ended_ = true;
+    if constexpr (requires { object_->EndWaits(); }) {
+      if (object_) object_->EndWaits();
+    }
   }
   void End() override {
     if (fork_.IsChild()) return;

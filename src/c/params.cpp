@@ -15,6 +15,10 @@ struct Params {
   std::unique_ptr<ParamServer> own;
   std::unique_ptr<ParamService> service;  // Ends before `own`.
   std::unique_ptr<RemoteParams> remote;
+
+  void EndWaits() noexcept {
+    if (remote) remote->EndWaits();
+  }
 };
 
 }  // namespace hgros::c

@@ -147,6 +147,39 @@ TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
   EXPECT_EQ(hgros_params_declare(remote.get(), "x", HGROS_PARAM_BOOL, "true", nullptr), HGROS_ERROR);
 }
 
+TEST_F(CParts, EndOfASessionEndsItsWaitForTheParametersOfAnother) {
+  const auto session = test::Open(yaml, log, "base");
+  const auto other = test::Open(yaml, others_log, "desk");
+  const auto own = Params(session);
+  DeclareSpeed(own);
+  hgros_params* opened = nullptr;
+  ASSERT_EQ(hgros_params_of(other.get(), "base", INT64_MAX, &opened), HGROS_OK);
+  const ParamsHandle remote(opened);
+  struct Listener {
+    std::atomic<bool> entered{false};
+    test::Door door;
+  } listener;
+  hgros_watch* watch = nullptr;
+  ASSERT_EQ(hgros_params_watch(
+                own.get(), "speed",
+                [](void* user, const char*, const char*) {
+                  auto& of = *static_cast<Listener*>(user);
+                  of.entered = true;
+                  of.door.Pass();
+                },
+                &listener, nullptr, &watch),
+            HGROS_OK);
+  const test::WatchHandle watching(watch);
+  std::atomic<hgros_status> set{-1};
+  std::thread setting([&] { set = hgros_params_set_number(remote.get(), "speed", 1); });
+  EXPECT_TRUE(Await([&] { return listener.entered.load(); }));
+  hgros_session_end(other.get());
+  EXPECT_TRUE(Await([&] { return set != -1; }, std::chrono::seconds(5)));
+  listener.door.Open();
+  setting.join();
+  EXPECT_EQ(set, HGROS_CLOSED);
+}
+
 TEST_F(CParts, WatchTellsOnlyOfItsPathAndNotOnceItIsClosed) {
   const auto params = Params(nullptr);
   ASSERT_EQ(hgros_params_set(params.get(), "arm", "{speed: 1, torque: 2}"), HGROS_OK);
