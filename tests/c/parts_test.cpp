@@ -293,6 +293,23 @@ TEST_F(CParts, TimersFollowASimulatedClock) {
   EXPECT_TRUE(Await([&] { return hgros_session_now(session.get()) == 50; }));
 }
 
+TEST_F(CParts, SimulatedClockRefusesTimesThatNoneCouldFollow) {
+  const auto session = test::Open(yaml, log);
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;
+  hgros_simulated_clock* opened = nullptr;
+  EXPECT_EQ(hgros_simulated_clock_open(session.get(), INT64_MIN, 1, &opened), HGROS_INVALID_ARGUMENT);
+  ASSERT_EQ(hgros_simulated_clock_open(session.get(), 1 - kFarthest, 1, &opened), HGROS_OK) << LastError();
+  const ClockHandle clock(opened);
+  EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), INT64_MAX), HGROS_INVALID_ARGUMENT);
+  EXPECT_NE(LastError().find("2^62"), std::string::npos) << LastError();
+  EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), kFarthest - 1), HGROS_INVALID_ARGUMENT) << "a jump too long";
+  EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), 0), HGROS_OK);
+  EXPECT_EQ(hgros_simulated_clock_step(clock.get(), INT64_MAX), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_simulated_clock_step(clock.get(), kFarthest - 1), HGROS_OK);
+  EXPECT_EQ(hgros_simulated_clock_step(clock.get(), 1), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_simulated_clock_now(clock.get()), kFarthest - 1);
+}
+
 TEST_F(CParts, TimerMayBeClosedInItsOwnCallback) {
   const auto session = test::Open(yaml, log);
   struct Turning {
