@@ -78,6 +78,7 @@ hgros_status hgros_timer_open(hgros_session* session, const char* name, int64_t 
         const hgros_timer_options chosen = c::OptionsFrom(options);
         hgros::NodeTimerOptions node;
         node.missed = chosen.catch_up != 0 ? hgros::Missed::kCatchUp : hgros::Missed::kSkip;
+        if (chosen.first_ns < 0) throw c::InvalidArgument("first_ns is below zero. 0 means one period.");
         if (chosen.first_ns > 0) node.first = hgros::Duration(chosen.first_ns);
         node.executor = c::ExecutorOf(chosen.executor);
         return std::make_unique<hgros_timer>(hgros_timer{on.session->CreateTimer(

@@ -68,6 +68,9 @@ NodeOptions NodeOptionsOf(const hgros_subscribe_options& options, Executor execu
   if (options.keep_all > 0 && options.keep_last > 0) {
     throw InvalidArgument("Both keep_last and keep_all are set. Leave one of them 0.");
   }
+  if (options.keep_all == 0 && options.keep_all_bytes > 0) {
+    throw InvalidArgument("keep_all_bytes is set without keep_all. Set both, or leave both 0.");
+  }
   if (options.keep_all > 0) node.queue = Queue::KeepAll(std::size_t{options.keep_all}, bytes);
   if (options.keep_last > 0) node.queue = Queue::KeepLast(std::size_t{options.keep_last});
   return node;
@@ -181,9 +184,11 @@ hgros_status hgros_subscribe_queue(hgros_session* session, const char* channel, 
   return c::Creating(subscription, [&] {
     hgros_session& on = c::Opened(session);
     const std::string_view name = c::Text(channel, "channel");
+    const hgros_subscribe_options chosen = c::OptionsFrom(options);
+    if (chosen.executor != 0) throw c::InvalidArgument("A queue has no executor. Leave it 0.");
     auto made = std::make_unique<hgros_subscription>();
     made->life = on.life;
-    c::Wire(*made, *on.session, name, c::OptionsFrom(options), hgros::Executor::Polled(),
+    c::Wire(*made, *on.session, name, chosen, hgros::Executor::Polled(),
             [](c::RawPtr raw, const hgros::MessageInfo& info) { c::taken_here->Fill(std::move(raw), info); });
     made->descriptor = fcntl(made->subscription->descriptor(), F_DUPFD_CLOEXEC, 0);
     if (made->descriptor < 0) {

@@ -78,5 +78,32 @@ TEST(COptions, LogIsReleasedIfTheSessionIsRefusedOrHasNoUseForIt) {
   EXPECT_EQ(released, 5);
 }
 
+TEST(COptions, ThoseWithoutAnEffectAreRefused) {
+  LogLines log;
+  const auto session = test::Open(test::DomainYaml(), log);
+  const auto refused = [&](const char* field, const hgros_subscribe_options& options) {
+    hgros_subscription* queue = nullptr;
+    EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_INVALID_ARGUMENT) << field;
+    EXPECT_NE(LastError().find(field), std::string::npos) << LastError();
+  };
+  hgros_subscribe_options options{};
+  options.size = sizeof options;
+  options.executor = HGROS_EXECUTOR_DEDICATED;
+  refused("executor", options);
+  options.executor = 17;
+  refused("executor", options);
+  options.executor = 0;
+  options.keep_all_bytes = 1;
+  refused("keep_all_bytes", options);
+  hgros_timer_options timing{};
+  timing.size = sizeof timing;
+  timing.first_ns = -1;
+  hgros_timer* timer = nullptr;
+  EXPECT_EQ(hgros_timer_open(
+                session.get(), "t", 1, &timing, [](void*, const hgros_tick*) {}, nullptr, nullptr, &timer),
+            HGROS_INVALID_ARGUMENT);
+  EXPECT_NE(LastError().find("first_ns"), std::string::npos) << LastError();
+}
+
 }  // namespace
 }  // namespace hgros
