@@ -122,12 +122,16 @@ func (s *Session) finish() {
 	}
 }
 
-// keep makes a child live until it is closed or its session is.
+// keep makes a child live until it is closed or its session is, which may be so already.
 func (s *Session) keep(child interface{ Close() }) {
 	s.childrenMutex.Lock()
-	defer s.childrenMutex.Unlock()
-	if s.children != nil {
+	ended := s.children == nil
+	if !ended {
 		s.children[child] = struct{}{}
+	}
+	s.childrenMutex.Unlock()
+	if ended {
+		child.Close()
 	}
 }
 
