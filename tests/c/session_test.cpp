@@ -182,6 +182,9 @@ TEST(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
   hgros_session_end(session.get());
   for (std::thread& one : threads) one.join();
   for (const auto& wait : waits) EXPECT_EQ(wait(), HGROS_CLOSED) << LastError();
+  EXPECT_EQ(hgros_session_wait_idle(session.get(), -1), HGROS_CLOSED);
+  EXPECT_EQ(hgros_session_log(session.get(), HGROS_LOG_INFO, "after the end"), HGROS_OK);
+  EXPECT_TRUE(log.Contain("after the end"));
   EXPECT_STREQ(hgros_session_name(session.get()), "robot");
   EXPECT_EQ(Publish(publisher, "late"), HGROS_CLOSED);
   hgros_subscription* late = nullptr;
