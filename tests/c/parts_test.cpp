@@ -1,4 +1,5 @@
 // Parameters, transforms, clocks and timers.
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -201,6 +202,56 @@ TEST_F(CParts, WatchTellsOnlyOfItsPathAndNotOnceItIsClosed) {
   ASSERT_EQ(hgros_params_set(params.get(), "arm", "{speed: 3, torque: 4}"), HGROS_OK) << LastError();
   EXPECT_EQ(part.seen, std::vector<std::string>{"arm.speed=3"}) << "the other one has changed, too";
   EXPECT_EQ(closing.seen.size(), 1U) << "closed in the first of two calls";
+}
+
+// Its callback meets that of another watch, and then closes that watch.
+struct MeetingWatch {
+  ParamsHandle params;
+  hgros_watch* watch = nullptr;
+  hgros_watch* other = nullptr;
+  test::Door* here = nullptr;
+  test::Door* there = nullptr;
+  std::atomic<bool> released{false};
+
+  void Watch() {
+    EXPECT_EQ(hgros_params_watch(
+                  params.get(), "a",
+                  [](void* user, const char*, const char*) {
+                    const auto& self = *static_cast<MeetingWatch*>(user);
+                    self.here->Open();
+                    self.there->Pass();
+                    hgros_watch_close(self.other);
+                  },
+                  this, [](void* user) { static_cast<MeetingWatch*>(user)->released = true; }, &watch),
+              HGROS_OK);
+  }
+};
+
+TEST_F(CParts, TwoWatchesMayCloseEachOtherInTheirCallbacks) {
+  std::array<MeetingWatch, 2> both;
+  std::array<test::Door, 2> doors;
+  for (std::size_t i = 0; i < 2; ++i) {
+    both.at(i).params = Params(nullptr);
+    both.at(i).here = &doors.at(i);
+    both.at(i).there = &doors.at(1 - i);
+    both.at(i).Watch();
+  }
+  both[0].other = both[1].watch;
+  both[1].other = both[0].watch;
+  std::atomic<int> done{0};
+  std::vector<std::thread> threads;
+  for (MeetingWatch& one : both) {
+    threads.emplace_back([&] {
+      EXPECT_EQ(hgros_params_set_number(one.params.get(), "a", 1), HGROS_OK) << LastError();
+      ++done;
+    });
+  }
+  ASSERT_TRUE(Await([&] { return done == 2; }, std::chrono::seconds(10))) << "each waits for the other";
+  for (std::thread& one : threads) one.join();
+  for (MeetingWatch& one : both) {
+    EXPECT_TRUE(one.released);
+    EXPECT_EQ(hgros_params_set_number(one.params.get(), "a", 2), HGROS_OK) << "nobody watches";
+  }
 }
 
 hgros_transform Pose(double x, std::int64_t stamp_ns) { return {{x, 0, 0}, {0, 0, 0, 1}, stamp_ns}; }
