@@ -125,6 +125,15 @@ func (g *guard) do(what string, call func() C.hgros_status) error {
 	return check(call)
 }
 
+// outside does it here, or inside a callback on a goroutine: what is closed may wait for the callback.
+func outside(do func()) {
+	if C.GoInCallback() > 0 {
+		go do()
+	} else {
+		do()
+	}
+}
+
 // closeWith closes what the library refuses to close inside callbacks: there, a goroutine does it.
 func (g *guard) closeWith(call func() C.hgros_status) error {
 	var failure error
@@ -135,13 +144,7 @@ func (g *guard) closeWith(call func() C.hgros_status) error {
 		failure, g.closed = err, err == nil
 	}
 	g.mutex.Lock()
-	g.free = func() {
-		if C.GoInCallback() > 0 {
-			go free()
-		} else {
-			free()
-		}
-	}
+	g.free = func() { outside(free) }
 	g.mutex.Unlock()
 	g.close()
 	g.mutex.Lock()

@@ -86,10 +86,11 @@ func open(yaml *C.char, files **C.char, count int, options *SessionOptions) (*Se
 	}); err != nil {
 		return nil, err
 	}
-	session.free = func() {
+	free := func() {
 		C.hgros_session_close(session.handle)
 		close(session.freed)
 	}
+	session.free = func() { outside(free) }
 	return session, nil
 }
 
@@ -106,11 +107,7 @@ func (s *Session) End() {
 // not wait: what is left is done once the callback has returned. A callback must not wait for a goroutine that closes.
 func (s *Session) Close() {
 	s.End()
-	if C.GoInCallback() > 0 {
-		go s.finish()
-		return
-	}
-	s.finish()
+	outside(s.finish)
 }
 
 func (s *Session) finish() {
@@ -125,12 +122,16 @@ func (s *Session) finish() {
 	}
 }
 
-// keep makes a child live until it is closed or its session is.
+// keep makes a child live until it is closed or its session is, which may be so already.
 func (s *Session) keep(child interface{ Close() }) {
 	s.childrenMutex.Lock()
-	defer s.childrenMutex.Unlock()
-	if s.children != nil {
+	ended := s.children == nil
+	if !ended {
 		s.children[child] = struct{}{}
+	}
+	s.childrenMutex.Unlock()
+	if ended {
+		child.Close()
 	}
 }
 

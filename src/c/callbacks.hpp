@@ -21,6 +21,8 @@ class InCallback {
     }
     return false;
   }
+  // That of any object.
+  [[nodiscard]] static bool Here() noexcept { return innermost != nullptr; }
 
  private:
   static thread_local const InCallback* innermost;

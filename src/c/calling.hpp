@@ -85,6 +85,7 @@ hgros_status Creating(T** out, F&& make) {
   });
 }
 
+bool IsStructSize(std::size_t size) noexcept;
 // Throws unless it may be the size of a struct.
 void RequireStructSize(std::size_t size);
 // Throws if a caller that knows later fields, which begin at `from`, has set one of them.

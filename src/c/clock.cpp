@@ -29,6 +29,14 @@ struct hgros_simulated_clock {
 namespace hgros::c {
 namespace {
 
+// The sessions that follow a clock take no other times. The difference of two does not overflow.
+void RequireNear(Time time, const char* what) {
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;
+  if (time.nanoseconds > -kFarthest && time.nanoseconds < kFarthest) return;
+  throw InvalidArgument(std::string(what) +
+                        " is too far away. A simulated clock shows times, and sums up jumps, of less than 2^62 ns.");
+}
+
 template <class F>
 hgros_status UseClock(hgros_simulated_clock* clock, F&& use) {
   return Guarded([&] {
@@ -70,6 +78,7 @@ hgros_status hgros_timer_open(hgros_session* session, const char* name, int64_t 
         const hgros_timer_options chosen = c::OptionsFrom(options);
         hgros::NodeTimerOptions node;
         node.missed = chosen.catch_up != 0 ? hgros::Missed::kCatchUp : hgros::Missed::kSkip;
+        if (chosen.first_ns < 0) throw c::InvalidArgument("first_ns is below zero. 0 means one period.");
         if (chosen.first_ns > 0) node.first = hgros::Duration(chosen.first_ns);
         node.executor = c::ExecutorOf(chosen.executor);
         return std::make_unique<hgros_timer>(hgros_timer{on.session->CreateTimer(
@@ -93,6 +102,7 @@ hgros_status hgros_simulated_clock_open(hgros_session* session, int64_t start_ns
   return c::Creating(clock, [&] {
     const hgros_session& on = c::Opened(session);
     const hgros::Time start{start_ns};
+    c::RequireNear(start, "start_ns");
     auto shown = paused != 0 ? hgros::SimulatedClock::Paused(start) : std::make_shared<hgros::SimulatedClock>(start);
     auto held = std::make_shared<c::Held<c::PublishedClock>>(
         std::make_unique<c::PublishedClock>(*on.session, std::move(shown)));
@@ -113,10 +123,19 @@ int64_t hgros_simulated_clock_now(hgros_simulated_clock* clock) {
 }
 
 hgros_status hgros_simulated_clock_step(hgros_simulated_clock* clock, int64_t time_ns) {
-  return c::UseClock(clock, [&](hgros::SimulatedClock& of) { of.Step(hgros::Duration(time_ns)); });
+  return c::UseClock(clock, [&](hgros::SimulatedClock& of) {
+    c::RequireNear(Later(of.Now(), hgros::Duration(time_ns)), "The time after the step");
+    of.Step(hgros::Duration(time_ns));
+  });
 }
 hgros_status hgros_simulated_clock_jump(hgros_simulated_clock* clock, int64_t time_ns) {
-  return c::UseClock(clock, [&](hgros::SimulatedClock& of) { of.JumpTo(hgros::Time{time_ns}); });
+  return c::UseClock(clock, [&](hgros::SimulatedClock& of) {
+    const hgros::ClockReading now = of.Read();
+    const hgros::Time to{time_ns};
+    c::RequireNear(to, "time_ns");
+    c::RequireNear(Later(Later(to, hgros::Duration(-now.now.nanoseconds)), now.jumped), "The sum of all jumps");
+    of.JumpTo(to);
+  });
 }
 hgros_status hgros_simulated_clock_set_rate(hgros_simulated_clock* clock, double rate) {
   return c::UseClock(clock, [&](hgros::SimulatedClock& of) { of.SetRate(rate); });

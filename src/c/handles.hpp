@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <shared_mutex>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -67,7 +69,8 @@ class Life {
   std::vector<std::weak_ptr<Dependent>> dependents_;
 };
 
-// An object of a session in a handle. Functions of it that wait get `stop`.
+// An object of a session in a handle. Functions of it that wait get `stop`, or the object has EndWaits(), which does
+// not wait.
 //
 // Thread safety: all functions. A use may use it again, for example in a callback.
 template <class T>
@@ -101,15 +104,24 @@ class Held final : public Dependent {
     stop_.request_stop();
     const std::scoped_lock lock(mutex_);
     ended_ = true;
+    if constexpr (requires { object_->EndWaits(); }) {
+      if (object_) object_->EndWaits();
+    }
   }
   void End() override {
     if (fork_.IsChild()) return;
     Stop();
-    std::unique_ptr<T> ended;  // Destroyed without the lock, because its callbacks may use the handle.
+    const auto here = std::this_thread::get_id();
     std::unique_lock lock(mutex_);
-    unused_.wait(lock, [this] { return uses_ == 0; });
-    if (!left_) ended = std::move(object_);
+    unused_.wait(lock, [&] { return uses_ == 0 && (!destroyer_ || destroyer_ == here); });
+    if (left_ || !object_) return;
+    std::unique_ptr<T> ended = std::move(object_);
+    destroyer_ = here;
     lock.unlock();
+    ended.reset();  // Without the lock, because its callbacks may use the handle.
+    lock.lock();
+    destroyer_.reset();
+    unused_.notify_all();
   }
   void Leave() noexcept override {
     Stop();
@@ -124,6 +136,7 @@ class Held final : public Dependent {
   std::condition_variable unused_;
   std::unique_ptr<T> object_;
   int uses_ = 0;
+  std::optional<std::thread::id> destroyer_;  // While it destroys the object. What that calls may end it again.
   bool ended_ = false;
   bool left_ = false;
 };

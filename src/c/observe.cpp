@@ -129,12 +129,14 @@ hgros_status hgros_watch_peers(hgros_session* session, hgros_peer_callback callb
         const hgros_session& on = c::Opened(session);
         if (callback == nullptr) c::RefuseNull("callback");
         auto made = std::make_unique<hgros_watch>();
-        made->subscription = on.session->FromGraph<hgros::PeerEvent>(
+        made->watching.subscription = on.session->FromGraph<hgros::PeerEvent>(
             hgros::kPeerEventsChannel, hgros::Invoke::kSerial,
-            [callback, kept, life = on.life](const hgros::PeerEvent& event) {
+            [callback, kept, life = on.life, calls = made->calls](const hgros::PeerEvent& event) {
               const c::InCallback inside(life.get());
-              const hgros_peer peer = c::PeerOf(event.peer);
-              callback(kept->get(), c::EventOf(event.kind), &peer, event.channel.c_str(), event.reason.c_str());
+              calls->Run([&] {
+                const hgros_peer peer = c::PeerOf(event.peer);
+                callback(kept->get(), c::EventOf(event.kind), &peer, event.channel.c_str(), event.reason.c_str());
+              });
             },
             {{}, hgros::Queue::KeepLast(1024), {}}, c::kFromC);
         return made;

@@ -15,6 +15,10 @@ struct Params {
   std::unique_ptr<ParamServer> own;
   std::unique_ptr<ParamService> service;  // Ends before `own`.
   std::unique_ptr<RemoteParams> remote;
+
+  void EndWaits() noexcept {
+    if (remote) remote->EndWaits();
+  }
 };
 
 }  // namespace hgros::c
@@ -123,12 +127,12 @@ struct Watched {
   ParamPath path;
   hgros_param_callback callback;
   std::shared_ptr<const User> user;
-  std::shared_ptr<const std::atomic<bool>> closed;
+  std::shared_ptr<WatchCalls> calls;
 };
 
 void Tell(const Watched& watched, const ParamEvent& event) {
   for (const ParamPath& path : event.paths) {
-    if (watched.closed->load(std::memory_order_acquire)) return;
+    if (watched.calls->closed()) return;
     if (!path.Overlaps(watched.path)) continue;
     const ParamView value = event.after.At(path);
     const std::string yaml = value.exists() ? value.ToYaml() : std::string();
@@ -269,15 +273,15 @@ hgros_status hgros_params_watch(hgros_params* params, const char* path, hgros_pa
       hgros_watch*& place = c::Given(watch, "the place for the result");
       auto made = std::make_unique<hgros_watch>();
       const std::string_view at = c::Text(path, "path");
-      const auto tell = [watched = c::Watched{hgros::ParamPath::Parse(at), callback, kept, made->closed},
+      const auto tell = [watched = c::Watched{hgros::ParamPath::Parse(at), callback, kept, made->calls},
                          life = params->life,
                          held = static_cast<const void*>(params->held.get())](const hgros::ParamEvent& event) {
         const c::InCallback inside(life.get());
         const c::InCallback inside_params(held);
-        c::Tell(watched, event);
+        watched.calls->Run([&] { c::Tell(watched, event); });
       };
-      if (of.own) made->listening = of.own->OnChange(at, tell);
-      if (of.remote) made->subscription = of.remote->Watch(at, tell);
+      if (of.own) made->watching.listening = of.own->OnChange(at, tell);
+      if (of.remote) made->watching.subscription = of.remote->Watch(at, tell);
       place = made.release();
     });
   });

@@ -1,5 +1,7 @@
 #include "hgros/c/session.h"
 
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
 
 #include "c/handles.hpp"
@@ -18,24 +20,33 @@ LogLevel LevelOf(std::int32_t level) {
   return static_cast<LogLevel>(level);
 }
 
-// Before anything can fail, so that the program's pointer is let go in any case.
-struct Opening {
-  explicit Opening(const hgros_session_options* given) : options(OptionsFrom(given)) {
-    if (options.log == nullptr) return;
-    to.log = [log = options.log, user = std::make_shared<User>(options.log_user, options.log_release)](
-                 LogLevel level, std::string_view text) {
-      log(user->get(), static_cast<std::int32_t>(level), std::string(text).c_str());
-    };
+// The options also if they are refused, so that the program's pointer is let go in any case. Without a size there are
+// none.
+hgros_session_options ReadableIn(const hgros_session_options* given) noexcept {
+  hgros_session_options readable{};
+  if (given != nullptr && IsStructSize(given->size)) {
+    std::memcpy(&readable, given, std::min(given->size, sizeof readable));
   }
-  const hgros_session_options options;
-  SessionOptions to;
-};
+  return readable;
+}
 
-std::unique_ptr<hgros_session> Open(Opening&& opening, Config config) {
-  opening.to.name = TextOrNone(opening.options.name);
-  auto session = std::make_unique<Session>(std::move(config), std::move(opening.to));
-  auto life = std::make_shared<Life>(*session);
-  return std::make_unique<hgros_session>(hgros_session{std::move(session), std::move(life)});
+template <class F>
+hgros_status Open(const hgros_session_options* given, hgros_session** session, F&& config) {
+  const hgros_session_options readable = ReadableIn(given);
+  return CreatingFor({}, readable.log_user, readable.log_release, session,
+                     [&](const std::shared_ptr<const User>& kept) {
+                       const hgros_session_options options = OptionsFrom(given);
+                       SessionOptions to;
+                       to.name = TextOrNone(options.name);
+                       if (options.log != nullptr) {
+                         to.log = [log = options.log, kept](LogLevel level, std::string_view text) {
+                           log(kept->get(), static_cast<std::int32_t>(level), std::string(text).c_str());
+                         };
+                       }
+                       auto made = std::make_unique<Session>(config(), std::move(to));
+                       auto life = std::make_shared<Life>(*made);
+                       return std::make_unique<hgros_session>(hgros_session{std::move(made), std::move(life)});
+                     });
 }
 
 }  // namespace
@@ -84,20 +95,18 @@ void Life::End(bool inside) {
 namespace c = hgros::c;
 
 hgros_status hgros_session_open(const char* yaml, const hgros_session_options* options, hgros_session** session) {
-  return c::Creating(session, [&] {
-    c::Opening opening(options);
+  return c::Open(options, session, [&] {
     const std::string_view text = c::TextOrNone(yaml);
-    return c::Open(std::move(opening), text.empty() ? hgros::Config::OfEnvironment() : hgros::Config::Parse(text));
+    return text.empty() ? hgros::Config::OfEnvironment() : hgros::Config::Parse(text);
   });
 }
 
 hgros_status hgros_session_open_files(const char* const* files, size_t count, const hgros_session_options* options,
                                       hgros_session** session) {
-  return c::Creating(session, [&] {
-    c::Opening opening(options);
+  return c::Open(options, session, [&] {
     std::vector<std::filesystem::path> paths;
     for (std::size_t i = 0; i < count; ++i) paths.emplace_back(c::Text(*(&c::Given(files, "files") + i), "a file"));
-    return c::Open(std::move(opening), paths.empty() ? hgros::Config::OfEnvironment() : hgros::Config::Load(paths));
+    return paths.empty() ? hgros::Config::OfEnvironment() : hgros::Config::Load(paths);
   });
 }
 

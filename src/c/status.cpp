@@ -61,9 +61,13 @@ hgros_status FailHere() noexcept {
 
 void RefuseNull(const char* argument) { throw InvalidArgument(std::string(argument) + " is NULL."); }
 
-void RequireStructSize(std::size_t size) {
+bool IsStructSize(std::size_t size) noexcept {
   constexpr std::size_t kMost = 4096;  // More than any version has: the field is not set.
-  if (size >= sizeof(std::size_t) && size <= kMost) return;
+  return size >= sizeof(std::size_t) && size <= kMost;
+}
+
+void RequireStructSize(std::size_t size) {
+  if (IsStructSize(size)) return;
   throw InvalidArgument("The field \"size\" of a struct is not set: it is " + std::to_string(size) +
                         ". Set it to the struct's sizeof.");
 }

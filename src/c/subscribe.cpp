@@ -68,6 +68,9 @@ NodeOptions NodeOptionsOf(const hgros_subscribe_options& options, Executor execu
   if (options.keep_all > 0 && options.keep_last > 0) {
     throw InvalidArgument("Both keep_last and keep_all are set. Leave one of them 0.");
   }
+  if (options.keep_all == 0 && options.keep_all_bytes > 0) {
+    throw InvalidArgument("keep_all_bytes is set without keep_all. Set both, or leave both 0.");
+  }
   if (options.keep_all > 0) node.queue = Queue::KeepAll(std::size_t{options.keep_all}, bytes);
   if (options.keep_last > 0) node.queue = Queue::KeepLast(std::size_t{options.keep_last});
   return node;
@@ -81,23 +84,17 @@ namespace hgros::c {
 // A subscription whose queue the session ends, so that its descriptor becomes readable.
 class QueueEnd final : public Dependent {
  public:
-  explicit QueueEnd(Subscription& subscription) : subscription_(&subscription) {}
+  explicit QueueEnd(const std::shared_ptr<Subscription>& subscription) : subscription_(subscription) {}
 
+  // Without a lock: borrowed bytes of messages that wait are let go, and their program may close the queue there.
   void Stop() noexcept override {
-    const std::scoped_lock lock(mutex_);
-    if (subscription_ != nullptr) subscription_->Reset();
+    if (const auto subscription = subscription_.lock()) subscription->Reset();
   }
   void End() override {}             // The session ends its subscriptions.
   void Leave() noexcept override {}  // Stop() came before.
-  // The subscription is about to be destroyed.
-  void Forget() noexcept {
-    const std::scoped_lock lock(mutex_);
-    subscription_ = nullptr;
-  }
 
  private:
-  std::mutex mutex_;
-  Subscription* subscription_;
+  const std::weak_ptr<Subscription> subscription_;
 };
 
 }  // namespace hgros::c
@@ -105,14 +102,13 @@ class QueueEnd final : public Dependent {
 struct hgros_subscription {
   std::shared_ptr<hgros::c::Life> life;
   std::shared_ptr<hgros::c::TypeGate> gate;
-  hgros::Subscription subscription;
+  const std::shared_ptr<hgros::Subscription> subscription = std::make_shared<hgros::Subscription>();
   std::shared_ptr<hgros::c::QueueEnd> queue_end;  // Null with a callback.
   int descriptor = -1;                            // A duplicate that lives as long as the handle.
   std::atomic<bool> ended{false};
 
   ~hgros_subscription() {
-    if (queue_end && !life->in_forked_child()) queue_end->Forget();
-    subscription.Reset();
+    subscription->Reset();
     if (descriptor >= 0) close(descriptor);
   }
 };
@@ -127,7 +123,7 @@ void Wire(hgros_subscription& made, Session& session, std::string_view channel, 
   made.gate = std::make_shared<TypeGate>(expected);
   NodeOptions node = NodeOptionsOf(options, std::move(executor));
   const Invoke invoke = options.concurrent != 0 ? Invoke::kConcurrent : Invoke::kSerial;
-  made.subscription = SessionParts(session).SubscribeRaw(
+  *made.subscription = SessionParts(session).SubscribeRaw(
       channel, expected == nullptr ? AnyType() : *expected, invoke,
       EraseCallback<RawMessage>([gate = made.gate, callback](RawPtr raw, const MessageInfo& info) {
         if (gate->Passes(raw->schema)) callback(std::move(raw), info);
@@ -142,7 +138,7 @@ hgros_status Take(hgros_subscription& queue, std::int64_t timeout_ns, hgros_mess
   for (;;) {
     if (queue.life->closed()) return Fail(HGROS_CLOSED, kSessionClosed);
     hgros_message* const outer = std::exchange(taken_here, lease.get());
-    const std::size_t run = queue.subscription.RunWaiting();
+    const std::size_t run = queue.subscription->RunWaiting();
     taken_here = outer;
     if (lease->raw) {
       CountLease();
@@ -188,11 +184,13 @@ hgros_status hgros_subscribe_queue(hgros_session* session, const char* channel, 
   return c::Creating(subscription, [&] {
     hgros_session& on = c::Opened(session);
     const std::string_view name = c::Text(channel, "channel");
+    const hgros_subscribe_options chosen = c::OptionsFrom(options);
+    if (chosen.executor != 0) throw c::InvalidArgument("A queue has no executor. Leave it 0.");
     auto made = std::make_unique<hgros_subscription>();
     made->life = on.life;
-    c::Wire(*made, *on.session, name, c::OptionsFrom(options), hgros::Executor::Polled(),
+    c::Wire(*made, *on.session, name, chosen, hgros::Executor::Polled(),
             [](c::RawPtr raw, const hgros::MessageInfo& info) { c::taken_here->Fill(std::move(raw), info); });
-    made->descriptor = fcntl(made->subscription.descriptor(), F_DUPFD_CLOEXEC, 0);
+    made->descriptor = fcntl(made->subscription->descriptor(), F_DUPFD_CLOEXEC, 0);
     if (made->descriptor < 0) {
       throw hgros::Error("The system has no descriptor for the queue: " + std::generic_category().message(errno) + ".",
                          {}, "Raise the limit of open files (ulimit -n).");
@@ -214,7 +212,7 @@ int32_t hgros_queue_descriptor(const hgros_subscription* queue) { return queue =
 hgros_status hgros_subscription_get_stats(const hgros_subscription* subscription, hgros_subscription_stats* stats) {
   return c::Guarded([&] {
     const hgros_subscription& of = c::Given(subscription, "subscription");
-    const hgros::NodeSnapshot now = of.subscription.stats();
+    const hgros::NodeSnapshot now = of.subscription->stats();
     hgros_subscription_stats filled{};
     filled.received = now.received;
     filled.dropped = now.dropped;
@@ -231,7 +229,7 @@ void hgros_subscription_end(hgros_subscription* subscription) {
   if (subscription == nullptr) return;
   const c::InClose closes;
   subscription->ended.store(true, std::memory_order_release);
-  (void)c::Guarded([&] { subscription->subscription.Reset(); });
+  (void)c::Guarded([&] { subscription->subscription->Reset(); });
 }
 
 void hgros_subscription_close(hgros_subscription* subscription) {

@@ -58,23 +58,34 @@ ParamsQuestion RemoteMirror::NextQuestion() {
 bool RemoteMirror::AwaitAnswer(const ParamsQuestion& question, Deadline until) {
   std::unique_lock lock(mutex_);
   const auto waiting = answers_.find(question.number());
-  return changed_.wait_until(lock, until, [&] { return waiting->second.has_value(); });
+  return changed_.wait_until(lock, until, [&] { return ended_ || waiting->second.has_value(); });
 }
 
 RemoteMirror::Outcome RemoteMirror::Wait(const ParamsQuestion& question, Deadline deadline) {
   std::unique_lock lock(mutex_);
   const auto waiting = answers_.find(question.number());
-  if (!changed_.wait_until(lock, deadline, [&] { return waiting->second.has_value(); })) {
+  const auto ended = [this] { return "The wait for the session \"" + name_ + "\" was ended."; };
+  if (!changed_.wait_until(lock, deadline, [&] { return ended_ || waiting->second.has_value(); })) {
     return {{}, "The session \"" + name_ + "\" did not answer in time, but it may still do so."};
   }
+  if (!waiting->second) return {{}, ended()};
   const ParamsAnswer& answer = *waiting->second;
   if (!answer.refusal().empty()) return {{}, answer.refusal()};
   const auto told = [&] { return life_ == answer.life() && version_ >= answer.version(); };
-  if (!changed_.wait_until(lock, deadline, told)) {
+  if (!changed_.wait_until(lock, deadline, [&] { return ended_ || told(); })) {
     return {{}, "The session \"" + name_ + "\" answered, but its parameters did not arrive in time."};
   }
+  if (!told()) return {{}, ended()};
   if (!fault_.empty()) return {{}, fault_};
   return {state_, {}};
+}
+
+void RemoteMirror::EndWaits() noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_all();
 }
 
 void RemoteMirror::Forget(const ParamsQuestion& question) {

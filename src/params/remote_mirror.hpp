@@ -39,11 +39,13 @@ class RemoteMirror {
 
   // A new question. From here on its answer is kept, until Forget().
   [[nodiscard]] ParamsQuestion NextQuestion();
-  // Waits for the answer. False if there is none at `until`.
+  // Waits for the answer. False if there is none at `until`. True also after EndWaits().
   [[nodiscard]] bool AwaitAnswer(const ParamsQuestion& question, Deadline until);
   // Waits for the answer and for the state that belongs to it.
   [[nodiscard]] Outcome Wait(const ParamsQuestion& question, Deadline deadline);
   void Forget(const ParamsQuestion& question);
+  // All waits end, also later ones.
+  void EndWaits() noexcept;
 
  private:
   const std::string name_;
@@ -56,6 +58,7 @@ class RemoteMirror {
   std::uint64_t life_ = 0;
   std::uint64_t version_ = 0;
   State state_;
+  bool ended_ = false;
   std::string fault_;  // Why there is no state: it cannot be read, or the session no longer offers it.
 };
 

@@ -98,6 +98,8 @@ class RemoteParams::Core {
         {{}, Queue::Latest(), {}});
   }
 
+  void EndWaits() noexcept { mirror_->EndWaits(); }
+
  private:
   // Repeats the question until there is an answer, because the offering session may be starting or ending. A repeated
   // question is carried out only once. Returns kOk, or why the question cannot be published.
@@ -167,6 +169,8 @@ ParamResult RemoteParams::Change(const std::vector<ParamChange>& changes, IfMiss
   if (changes.empty()) return {};
   return {core_->Ask(changes, if_missing).refusal};
 }
+
+void RemoteParams::EndWaits() noexcept { core_->EndWaits(); }
 
 Subscription RemoteParams::Watch(std::string_view path, ParamListener listener) {
   return core_->Watch(ParamPath::Parse(path), std::move(listener));

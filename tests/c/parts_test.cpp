@@ -1,4 +1,5 @@
 // Parameters, transforms, clocks and timers.
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -147,6 +148,39 @@ TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
   EXPECT_EQ(hgros_params_declare(remote.get(), "x", HGROS_PARAM_BOOL, "true", nullptr), HGROS_ERROR);
 }
 
+TEST_F(CParts, EndOfASessionEndsItsWaitForTheParametersOfAnother) {
+  const auto session = test::Open(yaml, log, "base");
+  const auto other = test::Open(yaml, others_log, "desk");
+  const auto own = Params(session);
+  DeclareSpeed(own);
+  hgros_params* opened = nullptr;
+  ASSERT_EQ(hgros_params_of(other.get(), "base", INT64_MAX, &opened), HGROS_OK);
+  const ParamsHandle remote(opened);
+  struct Listener {
+    std::atomic<bool> entered{false};
+    test::Door door;
+  } listener;
+  hgros_watch* watch = nullptr;
+  ASSERT_EQ(hgros_params_watch(
+                own.get(), "speed",
+                [](void* user, const char*, const char*) {
+                  auto& of = *static_cast<Listener*>(user);
+                  of.entered = true;
+                  of.door.Pass();
+                },
+                &listener, nullptr, &watch),
+            HGROS_OK);
+  const test::WatchHandle watching(watch);
+  std::atomic<hgros_status> set{-1};
+  std::thread setting([&] { set = hgros_params_set_number(remote.get(), "speed", 1); });
+  EXPECT_TRUE(Await([&] { return listener.entered.load(); }));
+  hgros_session_end(other.get());
+  EXPECT_TRUE(Await([&] { return set != -1; }, std::chrono::seconds(5)));
+  listener.door.Open();
+  setting.join();
+  EXPECT_EQ(set, HGROS_CLOSED);
+}
+
 TEST_F(CParts, WatchTellsOnlyOfItsPathAndNotOnceItIsClosed) {
   const auto params = Params(nullptr);
   ASSERT_EQ(hgros_params_set(params.get(), "arm", "{speed: 1, torque: 2}"), HGROS_OK);
@@ -168,6 +202,56 @@ TEST_F(CParts, WatchTellsOnlyOfItsPathAndNotOnceItIsClosed) {
   ASSERT_EQ(hgros_params_set(params.get(), "arm", "{speed: 3, torque: 4}"), HGROS_OK) << LastError();
   EXPECT_EQ(part.seen, std::vector<std::string>{"arm.speed=3"}) << "the other one has changed, too";
   EXPECT_EQ(closing.seen.size(), 1U) << "closed in the first of two calls";
+}
+
+// Its callback meets that of another watch, and then closes that watch.
+struct MeetingWatch {
+  ParamsHandle params;
+  hgros_watch* watch = nullptr;
+  hgros_watch* other = nullptr;
+  test::Door* here = nullptr;
+  test::Door* there = nullptr;
+  std::atomic<bool> released{false};
+
+  void Watch() {
+    EXPECT_EQ(hgros_params_watch(
+                  params.get(), "a",
+                  [](void* user, const char*, const char*) {
+                    const auto& self = *static_cast<MeetingWatch*>(user);
+                    self.here->Open();
+                    self.there->Pass();
+                    hgros_watch_close(self.other);
+                  },
+                  this, [](void* user) { static_cast<MeetingWatch*>(user)->released = true; }, &watch),
+              HGROS_OK);
+  }
+};
+
+TEST_F(CParts, TwoWatchesMayCloseEachOtherInTheirCallbacks) {
+  std::array<MeetingWatch, 2> both;
+  std::array<test::Door, 2> doors;
+  for (std::size_t i = 0; i < 2; ++i) {
+    both.at(i).params = Params(nullptr);
+    both.at(i).here = &doors.at(i);
+    both.at(i).there = &doors.at(1 - i);
+    both.at(i).Watch();
+  }
+  both[0].other = both[1].watch;
+  both[1].other = both[0].watch;
+  std::atomic<int> done{0};
+  std::vector<std::thread> threads;
+  for (MeetingWatch& one : both) {
+    threads.emplace_back([&] {
+      EXPECT_EQ(hgros_params_set_number(one.params.get(), "a", 1), HGROS_OK) << LastError();
+      ++done;
+    });
+  }
+  ASSERT_TRUE(Await([&] { return done == 2; }, std::chrono::seconds(10))) << "each waits for the other";
+  for (std::thread& one : threads) one.join();
+  for (MeetingWatch& one : both) {
+    EXPECT_TRUE(one.released);
+    EXPECT_EQ(hgros_params_set_number(one.params.get(), "a", 2), HGROS_OK) << "nobody watches";
+  }
 }
 
 hgros_transform Pose(double x, std::int64_t stamp_ns) { return {{x, 0, 0}, {0, 0, 0, 1}, stamp_ns}; }
@@ -258,6 +342,23 @@ TEST_F(CParts, TimersFollowASimulatedClock) {
   EXPECT_EQ(hgros_simulated_clock_pause(clock.get()), HGROS_OK);
   EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), 50), HGROS_OK);
   EXPECT_TRUE(Await([&] { return hgros_session_now(session.get()) == 50; }));
+}
+
+TEST_F(CParts, SimulatedClockRefusesTimesThatNoneCouldFollow) {
+  const auto session = test::Open(yaml, log);
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;
+  hgros_simulated_clock* opened = nullptr;
+  EXPECT_EQ(hgros_simulated_clock_open(session.get(), INT64_MIN, 1, &opened), HGROS_INVALID_ARGUMENT);
+  ASSERT_EQ(hgros_simulated_clock_open(session.get(), 1 - kFarthest, 1, &opened), HGROS_OK) << LastError();
+  const ClockHandle clock(opened);
+  EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), INT64_MAX), HGROS_INVALID_ARGUMENT);
+  EXPECT_NE(LastError().find("2^62"), std::string::npos) << LastError();
+  EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), kFarthest - 1), HGROS_INVALID_ARGUMENT) << "a jump too long";
+  EXPECT_EQ(hgros_simulated_clock_jump(clock.get(), 0), HGROS_OK);
+  EXPECT_EQ(hgros_simulated_clock_step(clock.get(), INT64_MAX), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_simulated_clock_step(clock.get(), kFarthest - 1), HGROS_OK);
+  EXPECT_EQ(hgros_simulated_clock_step(clock.get(), 1), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(hgros_simulated_clock_now(clock.get()), kFarthest - 1);
 }
 
 TEST_F(CParts, TimerMayBeClosedInItsOwnCallback) {

@@ -156,6 +156,27 @@ TEST(CReleaseElsewhere, OfBorrowedBytesMayCloseTheSession) {
   EXPECT_EQ(hgros_transforms_close(program.transforms), HGROS_OK);
 }
 
+TEST(CReleaseElsewhere, OfBorrowedBytesInAQueueMayCloseTheQueue) {
+  Fixture& fixture = NewFixture([](Program& of) {
+    hgros_subscription_close(of.subscription);
+    return HGROS_OK;
+  });
+  Program& program = fixture.program;
+  ASSERT_EQ(hgros_subscribe_queue(program.session, "words", nullptr, &program.subscription), HGROS_OK);
+  const test::PublisherHandle publisher(PublisherOf(fixture));
+  ASSERT_EQ(hgros_publish_borrowed(publisher.get(), "x", 1, &program, &Program::Release, 0), HGROS_OK);
+  std::atomic<bool> ended{false};
+  std::thread ending([&] {
+    hgros_session_end(program.session);
+    ended = true;
+  });
+  ASSERT_TRUE(Await([&] { return ended.load(); }, std::chrono::seconds(10))) << "the release waits for its own thread";
+  ending.join();
+  EXPECT_TRUE(program.released);
+  EXPECT_EQ(hgros_transforms_close(program.transforms), HGROS_OK);
+  hgros_session_close(program.session);
+}
+
 TEST(CReleaseElsewhere, OfAWatchOfParametersIsInsideThem) {
   Program program;
   program.at_release = [](Program& of) { return hgros_params_close(of.params); };

@@ -80,53 +80,6 @@ TEST(CSession, ReadsAndMergesFiles) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(CSession, StructsOfAnEarlierVersionAreReadAsFarAsTheyGo) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
-  hgros_subscribe_options options{};
-  options.keep_last = 1;
-  options.keep_all = 7;  // Behind the end of the earlier struct.
-  options.size = offsetof(hgros_subscribe_options, keep_all);
-  hgros_subscription* queue = nullptr;
-  ASSERT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_OK) << LastError();
-  const test::SubscriptionHandle owned(queue);
-  hgros_subscription_stats stats{};
-  stats.queued = 99;
-  stats.size = offsetof(hgros_subscription_stats, queued);
-  EXPECT_EQ(hgros_subscription_get_stats(queue, &stats), HGROS_OK);
-  EXPECT_EQ(stats.queued, 99U) << "fields beyond the size are not written";
-  options.size = 0;
-  EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_INVALID_ARGUMENT);
-  EXPECT_NE(LastError().find("sizeof"), std::string::npos) << LastError();
-}
-
-// What a program compiled with a later version passes.
-template <class T>
-struct Later {
-  T known{};
-  std::uint64_t unknown = 0;
-
-  Later() { known.size = sizeof *this; }
-};
-
-TEST(CSession, FieldsOfALaterVersionAreRefusedUnlessTheyAreZero) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
-  Later<hgros_subscribe_options> options;
-  hgros_subscription* queue = nullptr;
-  ASSERT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_OK) << LastError();
-  const test::SubscriptionHandle owned(queue);
-  Later<hgros_subscription_stats> stats;
-  stats.unknown = 99;
-  EXPECT_EQ(hgros_subscription_get_stats(queue, &stats.known), HGROS_OK);
-  EXPECT_EQ(stats.unknown, 0U);
-  options.unknown = std::uint64_t{1} << 63U;
-  EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_INVALID_ARGUMENT);
-  EXPECT_NE(LastError().find("byte " + std::to_string(sizeof options - 1)), std::string::npos) << LastError();
-  options.known.size = std::size_t{1} << 40U;
-  EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_INVALID_ARGUMENT) << "garbage";
-}
-
 TEST(CSession, LastErrorBelongsToItsThread) {
   EXPECT_EQ(hgros_publish(nullptr, nullptr, 0), HGROS_INVALID_ARGUMENT);
   std::string there = "unset";
@@ -229,6 +182,9 @@ TEST(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
   hgros_session_end(session.get());
   for (std::thread& one : threads) one.join();
   for (const auto& wait : waits) EXPECT_EQ(wait(), HGROS_CLOSED) << LastError();
+  EXPECT_EQ(hgros_session_wait_idle(session.get(), -1), HGROS_CLOSED);
+  EXPECT_EQ(hgros_session_log(session.get(), HGROS_LOG_INFO, "after the end"), HGROS_OK);
+  EXPECT_TRUE(log.Contain("after the end"));
   EXPECT_STREQ(hgros_session_name(session.get()), "robot");
   EXPECT_EQ(Publish(publisher, "late"), HGROS_CLOSED);
   hgros_subscription* late = nullptr;

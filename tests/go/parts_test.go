@@ -125,6 +125,35 @@ func TestCloseInsideACallbackEndsTheSession(t *testing.T) {
 	}
 }
 
+func TestLastUseInACallbackDoesNotEndTheSession(t *testing.T) {
+	lines, logging, goOn := make(chan string, 1000), make(chan struct{}), make(chan struct{})
+	session := open(t, &hgros.SessionOptions{Log: func(_ hgros.Level, line string) {
+		if strings.Contains(line, "in use") {
+			close(logging)
+			<-goOn
+		}
+		lines <- line
+	}})
+	_, err := session.NewTimer("user", time.Hour, func(hgros.Tick) {
+		_ = session.Log(hgros.LogInfo, "The session is in use.")
+	}, &hgros.TimerOptions{First: time.Millisecond})
+	require(t, err)
+	<-logging
+	closed := make(chan struct{})
+	go func() {
+		session.Close()
+		close(closed)
+	}()
+	waitUntil(t, "the session is closed", func() bool { return session.ID() == 0 })
+	close(goOn)
+	<-closed
+	for len(lines) > 0 {
+		if line := <-lines; strings.Contains(line, "destroyed inside") {
+			t.Fatal(line)
+		}
+	}
+}
+
 func TestSimulatedClockMovesTimersOfOtherSessions(t *testing.T) {
 	os.Setenv("HGROS_DOMAIN", fmt.Sprintf("go-%d-clock", os.Getpid()))
 	sessions := make([]*hgros.Session, 2)

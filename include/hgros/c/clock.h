@@ -50,8 +50,9 @@ void hgros_timer_close(hgros_timer* timer);
 typedef struct hgros_simulated_clock hgros_simulated_clock;
 
 /// Publishes a clock that shows `start_ns`. If `paused`, only hgros_simulated_clock_step() advances it at first;
-/// otherwise it runs at rate 1. Publish one clock at a time. Errors: HGROS_TYPE_MISMATCH if the channel "clock" has
-/// another type.
+/// otherwise it runs at rate 1. Publish one clock at a time. What it shows, and the sum of its jumps, is less than 2^62
+/// ns (146 years) away from 0, as those that follow it demand; otherwise the functions below return
+/// HGROS_INVALID_ARGUMENT. Errors: HGROS_TYPE_MISMATCH if the channel "clock" has another type.
 hgros_status hgros_simulated_clock_open(hgros_session* session, int64_t start_ns, int32_t paused,
                                         hgros_simulated_clock** clock);
 /// The clocks that follow it stand still. Errors: HGROS_WOULD_DEADLOCK inside a callback of the session; then nothing

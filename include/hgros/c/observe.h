@@ -72,7 +72,8 @@ hgros_status hgros_session_snapshot(const hgros_session* session, hgros_message*
 
 /// Something that is watched until it is closed.
 typedef struct hgros_watch hgros_watch;
-/// No call comes after it. Outside callbacks it waits for the running one.
+/// No call comes after it. Outside callbacks it waits for the running one. Inside a callback it does not, and `release`
+/// comes once that one has returned.
 void hgros_watch_close(hgros_watch* watch);
 
 enum { HGROS_PEER_CAME = 0, HGROS_PEER_GONE = 1, HGROS_PEER_TYPE_MISMATCH = 2, HGROS_PEER_SERVED_TWICE = 3 };

@@ -38,10 +38,11 @@ hgros_status hgros_session_open_files(const char* const* files, size_t count, co
                                       hgros_session** session);
 
 /// Ends the session's use: all threads that wait for it, or for what was made from it, return with HGROS_CLOSED, and so
-/// does every later call, except for hgros_session_wait_idle(), which returns once no callback runs. Calls that are
-/// pending end, perhaps with their callbacks on this thread, which must not close the session. Other callbacks may
-/// still run until hgros_session_close(), before which the handle stays valid. Does not wait. Any thread, also inside
-/// callbacks: use it where one thread ends what others wait for, then join them, then close.
+/// does every later call, except for those of its log, and of counters. A call of hgros_session_wait_idle() that waits
+/// already returns once no callback runs. Calls that are pending end, perhaps with their callbacks on this thread,
+/// which must not close the session. Other callbacks may still run until hgros_session_close(), before which the handle
+/// stays valid. Does not wait. Any thread, also inside callbacks: use it where one thread ends what others wait for,
+/// then join them, then close.
 void hgros_session_end(hgros_session* session);
 
 /// Refuses what is published from now on, waits for running callbacks, and says goodbye to the other sessions. What was

@@ -79,6 +79,9 @@ class HGROS_EXPORT RemoteParams {
   [[nodiscard("the listener is called only while the Subscription lives")]] Subscription Watch(std::string_view path,
                                                                                                ParamListener listener);
 
+  /// Ends the calls that wait for an answer, and all later ones, with a refusal.
+  void EndWaits() noexcept;
+
  private:
   class Core;
   std::unique_ptr<Core> core_;
