@@ -75,33 +75,36 @@ void Components::Core::End(std::string_view name) {
   std::erase_if(all_, [&](const auto& one) { return one->core.setup().name == name; });
 }
 
-void Components::Core::ConstructAgain(ComponentSetup setup, std::chrono::nanoseconds patience,
-                                      const Components::OnSaved& saved) {
-  OneComponent& one = Get(setup.name);
+void Components::Core::ConstructAgain(std::string_view name, std::chrono::nanoseconds patience,
+                                      const Components::SetupAgain& setup) {
+  OneComponent& one = Get(name);
   if (one.type.state == nullptr) {
-    throw Error(Named(setup) + "its class cannot be saved.", {}, "Give it Save() and Restore().");
+    throw Error(Named(one.core.setup()) + "its class cannot be saved.", {}, "Give it Save() and Restore().");
   }
-  setup.state = one.Save(patience, [&] {
+  const std::shared_ptr<const RawMessage> state = one.Save(patience, [&] {
     for (const auto& gate : one.core.gates()) gate->Hold([] {}, InputGate::Full::kWaits);
     one.core.SetPlace(ContextCore::Place::kHeld);
   });
   std::vector<Error> faults;
   try {
-    if (saved) saved(setup.state);
-    faults = one.ConstructAgain(setup);
-    if (faults.empty()) one.Restore(*setup.state);
+    faults = one.ConstructAgain([&] {
+      ComponentSetup next = setup(state);
+      next.state = state;
+      return next;
+    });
+    if (faults.empty()) one.Restore(*state);
   } catch (...) {
-    faults.push_back(CurrentError(setup));
+    faults.push_back(CurrentError(one.core.setup()));
   }
   if (!faults.empty()) {
-    End(setup.name);
+    End(name);
     throw ComponentError(std::move(faults));
   }
   try {
     Join(one);
     one.Start();
   } catch (...) {
-    End(setup.name);
+    End(name);
     throw;
   }
   one.core.EndUnused();
@@ -141,8 +144,8 @@ void Components::Start() { core_->Start(); }
 std::shared_ptr<const RawMessage> Components::Save(std::string_view name, std::chrono::nanoseconds patience) {
   return core_->Get(name).Save(patience);
 }
-void Components::ConstructAgain(const ComponentSetup& setup, std::chrono::nanoseconds patience, const OnSaved& saved) {
-  core_->ConstructAgain(setup, patience, saved);
+void Components::ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const SetupAgain& setup) {
+  core_->ConstructAgain(name, patience, setup);
 }
 void Components::NoteHanging(std::string_view name) { core_->Get(name).core.guard()->NoteHanging(); }
 void Components::End(std::string_view name) { core_->End(name); }

@@ -27,7 +27,7 @@ class Components::Core {
   void Join(OneComponent& one);
   void Start();
   void End(std::string_view name);
-  void ConstructAgain(ComponentSetup setup, std::chrono::nanoseconds patience, const Components::OnSaved& saved);
+  void ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const Components::SetupAgain& setup);
 
   [[nodiscard]] OneComponent* Find(std::string_view name);
   // Throws Error if there is none.

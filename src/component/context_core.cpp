@@ -381,6 +381,9 @@ std::vector<Error> ContextCore::EndConstruction(bool returned) {
     faults.emplace_back(setup_.type + " has no parameter " + Quoted(path) + ".", view.node()->origin.ToString(),
                         Offer(path, declared, "parameters"));
   }
+  if (means_.options.on_params) {
+    changes_ = params_->OnChange({}, [this](const ParamEvent& event) { means_.options.on_params(setup_.name, event); });
+  }
   return faults;
 }
 

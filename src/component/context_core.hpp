@@ -119,6 +119,7 @@ class ContextCore {
   const Means means_;
   ComponentSetup setup_;
   std::optional<ParamServer> params_;
+  Listening changes_;  // Of params_, once it is constructed.
   Log log_;
   const std::shared_ptr<ComponentGuard> guard_;
   Context context_;

@@ -8,6 +8,7 @@
 namespace hgros {
 
 void ContextCore::BeginAgain(ComponentSetup setup) {
+  changes_ = {};  // Outside the lock: it waits for a call.
   const std::scoped_lock lock(mutex_);
   setup_ = std::move(setup);
   params_.emplace(SourcesOf(setup_), Sink());

@@ -137,7 +137,7 @@ void OneComponent::Restore(const RawMessage& state) {
   component->Restore(read);
 }
 
-std::vector<Error> OneComponent::ConstructAgain(ComponentSetup setup) {
+std::vector<Error> OneComponent::ConstructAgain(const std::function<ComponentSetup()>& setup) {
   offered.reset();
   core.EndTimers();
   Deactivate();
@@ -145,7 +145,7 @@ std::vector<Error> OneComponent::ConstructAgain(ComponentSetup setup) {
   core.EndServices();
   core.SetPlace(ContextCore::Place::kHeld);
   component.reset();
-  core.BeginAgain(std::move(setup));
+  core.BeginAgain(setup());
   return Construct();
 }
 

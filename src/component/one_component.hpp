@@ -49,7 +49,7 @@ struct OneComponent {
                                                        const std::function<void()>& meanwhile = {});
   void Restore(const RawMessage& state);
   // The object ends while it is held, and another one is constructed. Returns all faults.
-  [[nodiscard]] std::vector<Error> ConstructAgain(ComponentSetup setup);
+  [[nodiscard]] std::vector<Error> ConstructAgain(const std::function<ComponentSetup()>& setup);
   // Messages that wait, on this thread; those that come then pass.
   void HandleWaiting();
   // Logs what the callback throws.

@@ -41,7 +41,8 @@ class ServiceHost::Running {
 };
 
 ServiceHost::ServiceHost(ServiceSetting setting, const std::shared_ptr<Services>& services)
-    : setting_(std::move(setting)),
+    : handler_(std::exchange(setting.handler, nullptr)),
+      setting_(std::move(setting)),
       services_(services),
       fork_(services->fork()),
       session_(services->id()),
@@ -191,6 +192,7 @@ bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
   bool again = false;
   bool more = false;
   bool idle = false;
+  AnyHandler left;  // Destroyed after the lock.
   {
     const std::scoped_lock lock(mutex_);
     serial_busy_ = false;
@@ -198,6 +200,7 @@ bool ServiceHost::Turn(std::optional<std::uint64_t> own_call, bool helps) {
     again = owed_ > 0 && more;
     owed_ = more ? owed_ - (again ? 1 : 0) : 0;
     idle = --running_ == 0 && ended_;
+    if (idle && left_) left = std::exchange(handler_, nullptr);
   }
   if (idle) idle_.notify_all();
   if (again) turns_(turn_);
@@ -226,7 +229,7 @@ void ServiceHost::Handle(const Waiting& waiting) {
       return Answer(request, Outcome::kNotWritable,
                     "The request does not parse as " + setting_.request_body->name + ".");
     }
-    reply = setting_.handler(body);
+    reply = handler_(body);
     if (reply) outcome = Outcome::kOk;
   } catch (const NotHandled&) {
     if (!ended() && waiting.due && *waiting.due <= std::chrono::steady_clock::now()) {
@@ -263,70 +266,6 @@ void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcom
   }
   const auto line = LineTo(SessionId{request.caller});
   if (!line || !line->Send(std::move(answer), due)) ++dropped_replies_;
-}
-
-std::shared_ptr<ReplyLine> ServiceHost::LineTo(SessionId caller) const {
-  const std::scoped_lock lock(mutex_);
-  const auto found = lines_.find(caller.value);
-  return found == lines_.end() ? nullptr : found->second;
-}
-
-std::shared_ptr<ReplyLine> ServiceHost::OpenLine(SessionId caller) {
-  if (auto line = LineTo(caller)) return line;
-  const auto services = services_.lock();
-  if (!services || ended()) return nullptr;
-  std::shared_ptr<ReplyLine> line;
-  const ReplyLine::Means means = MeansOf(caller);
-  services->With([&](ServicePlace& place) {
-    const std::string channel = ReplyChannel(setting_.name, caller);
-    const auto outlet =
-        place.OpenOutlet(channel, *setting_.reply, {means.flush_soon, means.flush_soon, [] { return true; }});
-    const std::vector<PeerInfo> peers = place.Peers();
-    const auto peer = std::ranges::find(peers, caller, &PeerInfo::id);
-    auto made = std::make_shared<ReplyLine>(outlet, *setting_.reply, log_, setting_.name,
-                                            peer == peers.end() ? caller.ToString() : peer->name(), room_, means);
-    {
-      const std::scoped_lock lock(mutex_);
-      // A caller that has left meanwhile gets no line. A caller that leaves later is found in lines_ by OnPeerGone().
-      const bool here = std::ranges::any_of(place.Peers(), [&](const PeerInfo& one) { return one.id == caller; });
-      if (!ended_ && here) line = lines_.emplace(caller.value, made).first->second;
-    }
-    if (line != made) place.CloseOutlet(channel, outlet);
-  });
-  return line;
-}
-
-ReplyLine::Means ServiceHost::MeansOf(SessionId caller) {
-  const auto flush = [self = weak_from_this(), caller] {
-    if (const auto host = self.lock()) host->Flush(caller);
-  };
-  ReplyLine::Means means;
-  means.flush_soon = [weak = services_, flush] {
-    if (const auto services = weak.lock()) services->Post(flush);
-  };
-  means.flush_at = [weak = services_, flush](ReplyLine::Moment when) {
-    if (const auto services = weak.lock()) services->PostAt(when, flush);
-  };
-  means.why = [weak = services_, service = setting_.name](bool subscribed) -> std::string {
-    if (subscribed) return "That session does not take its replies fast enough.";
-    ReplyWays ways;
-    if (const auto services = weak.lock()) {
-      services->With([&](ServicePlace& place) { ways = place.WaysOf(service); });
-    }
-    const std::string channel = RequestChannel(service);
-    if (!ways.leave) {
-      return "Replies cannot leave this session: no publisher endpoint has \"" + channel +
-             "\" in its list of channels. Add it.";
-    }
-    return "That session does not subscribe to its replies: a subscriber endpoint there must reach this session, and "
-           "if it has a list of channels, \"" +
-           channel + "\" must be in it.";
-  };
-  return means;
-}
-
-void ServiceHost::Flush(SessionId caller) {
-  if (const auto line = LineTo(caller)) dropped_replies_ += line->Flush();
 }
 
 void ServiceHost::OnPeerGone(SessionId peer) {
@@ -374,17 +313,23 @@ void ServiceHost::Refuse() {
 }
 
 void ServiceHost::End() {
+  AnyHandler handler;  // Destroyed here and last: other threads may keep this object a moment longer.
   Refuse();
   const auto services = services_.lock();
   if (services) services->Forget(*this);
-  const bool wait = !DataGraph::InCallback();
-  if (wait) {  // Also waits for threads that ran a request while they were waiting.
+  std::map<std::uint64_t, std::shared_ptr<ReplyLine>> lines;
+  {
     std::unique_lock lock(mutex_);
-    idle_.wait(lock, [this] { return running_ == 0; });
+    // Also for threads that ran a request while they were waiting.
+    if (!DataGraph::InCallback()) idle_.wait(lock, [this] { return running_ == 0; });
+    if (running_ == 0) {
+      handler = std::exchange(handler_, nullptr);
+    } else {
+      left_ = true;
+    }
   }
   node_.Reset();
   requests_.Reset();
-  std::map<std::uint64_t, std::shared_ptr<ReplyLine>> lines;
   {
     const std::scoped_lock lock(mutex_);
     lines.swap(lines_);

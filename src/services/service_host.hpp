@@ -92,6 +92,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   [[nodiscard]] ReplyLine::Means MeansOf(SessionId caller);
   void Flush(SessionId caller);
 
+  AnyHandler handler_;  // Destroyed when the service has ended and runs no request, by the thread that sees it first.
   const ServiceSetting setting_;
   const std::weak_ptr<Services> services_;
   const std::shared_ptr<const ForkGuard> fork_;
@@ -114,6 +115,7 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   bool serial_busy_ = false;
   std::size_t owed_ = 0;  // Turns that came while a request was being handled.
   std::size_t running_ = 0;
+  bool left_ = false;  // The service was ended inside a callback while it ran a request.
   std::map<std::uint64_t, std::shared_ptr<ReplyLine>> lines_;  // By caller.
   // Written only by Start() and End().
   Subscription node_;

@@ -51,6 +51,8 @@ class Summing {
   explicit Summing(Context& context) : context_(context), passed_(context.Advertise<PoseInFrame>("passed")) {
     if (context.Declare("broken", false)) throw std::runtime_error("there is no abacus");
     slow_ = context.Declare("slow", false);
+    (void)context.Declare("step", 0);
+    set_at_end_ = context.Declare("set_at_end", 0);
     const auto depth = static_cast<std::size_t>(context.Declare("depth", 100'000));
     context.FromAny<PoseInFrame>("number", Invoke::kSerial, [this](const PoseInFrame& pose) { Take(pose); },
                                  {.queue = Queue::KeepAll(depth)});
@@ -66,6 +68,9 @@ class Summing {
   Summing& operator=(const Summing&) = delete;
 
   void Activate() { active = true; }
+  void Deactivate() {
+    if (set_at_end_ > 0) (void)context_.params().Set("step", set_at_end_);
+  }
   [[nodiscard]] PoseInFrame Save() const { return PoseOf(sum_); }
   void Restore(const PoseInFrame& state) { sum_ = std::stoll(state.frame_id()); }
 
@@ -96,6 +101,7 @@ class Summing {
   Publisher<PoseInFrame> passed_;
   std::int64_t sum_ = 0;
   bool slow_ = false;
+  int set_at_end_ = 0;
 };
 HGROS_COMPONENT(Summing, "test/Summing")
 
@@ -140,6 +146,9 @@ class ConstructAgainTest : public DomainFixture {
     const std::scoped_lock lock(mutex_);
     return seen_;
   }
+  void Again(const std::vector<ParamOverride>& params = {}, std::chrono::nanoseconds patience = kCallbacks) {
+    components_.ConstructAgain("summing", patience, [&](const auto&) { return SummingSetup(params); });
+  }
   [[nodiscard]] bool Sees(std::size_t count) {
     return Await([&] { return seen().size() >= count; });
   }
@@ -157,7 +166,14 @@ class ConstructAgainTest : public DomainFixture {
   std::vector<int> seen_;
   Session outside_{Config::Parse("discovery: {lan: false}"), {.name = "outside"}};
   Session session_{Config::Parse("discovery: {lan: false}"), {.name = "place"}};
-  Components components_{session_};
+  std::vector<std::string> changes_;  // Of parameters.
+  Components components_{
+      session_, {.on_params = [this](std::string_view component, const ParamEvent& event) {
+        const std::scoped_lock lock(mutex_);
+        for (const ParamPath& path : event.paths) {
+          changes_.push_back(std::string(component) + " " + path.ToString() + " " + event.after.At(path).ToYaml());
+        }
+      }}};
   Publisher<PoseInFrame> number_;
   Publisher<PoseInFrame> beside_;
   Publisher<PoseInFrame> more_;
@@ -182,11 +198,11 @@ TEST_P(ConstructAgainFlow, NothingIsLostDoubledOrOvertaken) {
   });
   int times = 0;
   for (; times < kTimes && Sees(seen().size() + kBetween); ++times) {
-    const Summing* const before = &summing();
     std::string saved;
-    components_.ConstructAgain(SummingSetup(), kCallbacks, [&](const auto& state) {
-      EXPECT_EQ(&summing(), before);
+    components_.ConstructAgain("summing", kCallbacks, [&](const auto& state) {
+      EXPECT_EQ(instances, 0);
       saved = state->schema->type_name;
+      return SummingSetup();
     });
     EXPECT_EQ(saved, "foxglove.PoseInFrame");
     EXPECT_EQ(instances, 1);
@@ -213,11 +229,11 @@ TEST_F(ConstructAgainTest, APublisherThatIsFasterThanItsCallbackDoesNotKeepItWai
     constructed = true;
   });
   ASSERT_TRUE(Sees(10));
-  components_.ConstructAgain(SummingSetup({{"slow", "true", "test"}}), kCallbacks);
+  Again({{"slow", "true", "test"}});
   EXPECT_FALSE(constructed.exchange(true)) << "It was constructed only when the publisher gave up.";
   publisher.join();
   EXPECT_LT(seen().size(), static_cast<std::size_t>(last)) << "The publisher has not been faster.";
-  components_.ConstructAgain(SummingSetup(), kCallbacks);
+  Again();
   EXPECT_TRUE(Sees(static_cast<std::size_t>(last)));
   EXPECT_EQ(seen(), NumbersTo(last));
 }
@@ -235,7 +251,7 @@ TEST_F(ConstructAgainTest, CallsAreAnsweredBeforeAndAfterwards) {
   });
   for (int i = 1; i <= 5; ++i) {
     ASSERT_TRUE(Await([&] { return answers >= i; }));
-    components_.ConstructAgain(SummingSetup(), kCallbacks);
+    Again();
   }
   const int before = answers;
   EXPECT_TRUE(Await([&] { return answers > before + 2; }));
@@ -250,12 +266,12 @@ TEST_F(ConstructAgainTest, InputsThatTheNextInstanceDoesNotWantEnd) {
   Publish(beside_, 1);
   ASSERT_TRUE(Await([&] { return summing().besides == 1; }));
   ASSERT_TRUE(Sees(1));
-  components_.ConstructAgain(SummingSetup({{"beside", "false", "test"}, {"depth", "50", "test"}}), kCallbacks);
+  Again({{"beside", "false", "test"}, {"depth", "50", "test"}});
   EXPECT_TRUE(Await([&] { return !outside_.WaitForSubscribers("beside", 1, std::chrono::nanoseconds(0)); }));
   ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
   Publish(number_, 2);
   EXPECT_TRUE(Sees(2)) << "Subscribed with another queue.";
-  components_.ConstructAgain(SummingSetup(), kCallbacks);
+  Again();
   ASSERT_TRUE(outside_.WaitForSubscribers("beside", 1, kPatience));
   Publish(beside_, 1);
   EXPECT_TRUE(Await([&] { return summing().besides == 1; }));
@@ -270,7 +286,7 @@ TEST_F(ConstructAgainTest, ASubscriptionOfACallbackEndsWithItsObject) {
   ASSERT_TRUE(outside_.WaitForSubscribers("more", 1, kPatience));
   Publish(more_, 1);
   ASSERT_TRUE(Await([&] { return summing().more == 1; }));
-  components_.ConstructAgain(SummingSetup(), kCallbacks);
+  Again();
   EXPECT_TRUE(Await([&] { return !outside_.WaitForSubscribers("more", 1, std::chrono::nanoseconds(0)); }));
   Publish(number_, Summing::kHearMore);
   ASSERT_TRUE(outside_.WaitForSubscribers("more", 1, kPatience));
@@ -278,14 +294,27 @@ TEST_F(ConstructAgainTest, ASubscriptionOfACallbackEndsWithItsObject) {
   EXPECT_TRUE(Await([&] { return summing().more == 1; }));
 }
 
+TEST_F(ConstructAgainTest, ItsSetupIsAskedForWhenAllChangesOfParametersAreKnown) {
+  Again({{"set_at_end", "3", "test"}});
+  EXPECT_THAT(changes_, ElementsAre());
+  (void)components_.params("summing").Set("step", 2);
+  components_.ConstructAgain("summing", kCallbacks, [&](const auto&) {
+    EXPECT_THAT(changes_, ElementsAre("summing step 2", "summing step 3"));
+    return SummingSetup({{"step", "3", "test"}});
+  });
+  EXPECT_EQ(components_.params("summing").Get<int>("step"), 3);
+  (void)components_.params("summing").Set("step", 4);
+  EXPECT_THAT(changes_, ElementsAre("summing step 2", "summing step 3", "summing step 4"));
+}
+
 TEST_F(ConstructAgainTest, WhatCannotBeSavedRunsOn) {
-  EXPECT_THAT([&] { components_.ConstructAgain({.name = "unsaved", .type = "test/UnsavedAgain"}, kCallbacks); },
+  EXPECT_THAT([&] { components_.ConstructAgain("unsaved", kCallbacks, [](const auto&) { return ComponentSetup(); }); },
               ThrowsMessage<Error>(HasSubstr("Give it Save() and Restore()")));
-  EXPECT_THROW(components_.ConstructAgain({.name = "nobody", .type = "test/Summing"}, kCallbacks), Error);
+  EXPECT_THROW(components_.ConstructAgain("nobody", kCallbacks, [](const auto&) { return ComponentSetup(); }), Error);
   Publish(number_, Summing::kHang);
   ASSERT_TRUE(Await([&] { return summing().hangs.load(); }));
   const Summing* const before = &summing();
-  EXPECT_THAT([&] { components_.ConstructAgain(SummingSetup(), std::chrono::milliseconds(20)); },
+  EXPECT_THAT([&] { Again({}, std::chrono::milliseconds(20)); },
               ThrowsMessage<Error>(HasSubstr("a callback of it has not returned")));
   EXPECT_EQ(&summing(), before);
   summing().door.Open();
@@ -298,7 +327,7 @@ TEST_F(ConstructAgainTest, NothingIsLeftOfOneThatCannotBeConstructed) {
   ASSERT_TRUE(Sees(1));
   EXPECT_THAT(
       [&] {
-        components_.ConstructAgain(SummingSetup({{"broken", "true", "test"}}), kCallbacks);
+        Again({{"broken", "true", "test"}});
       },
       ThrowsMessage<ComponentError>(HasSubstr("there is no abacus")));
   EXPECT_EQ(components_.Find<Summing>("summing"), nullptr);

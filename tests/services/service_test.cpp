@@ -136,15 +136,6 @@ TEST_F(Services, RefuseASecondServerInOneSession) {
   EXPECT_TRUE((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()));
 }
 
-TEST_F(Services, CanBeServedAgainAfterTheyEnded) {
-  Session session;
-  Service first = session.Serve<Sum, Total>("add", Add);
-  first.Reset();
-  EXPECT_FALSE(first.active());
-  const Service second = session.Serve<Sum, Total>("add", [](const Sum&) { return Total{7}; });
-  EXPECT_EQ((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()->value), 7);
-}
-
 TEST_F(Services, RefuseNamesThatCannotNameChannels) {
   Session session;
   EXPECT_THROW((void)(session.Serve<Sum, Total>("a b", Add)), Error);
@@ -155,24 +146,6 @@ TEST_F(Services, RefuseNamesThatCannotNameChannels) {
 TEST_F(Services, RefuseAQueueThatDropsRequests) {
   Session session(Config::Parse("data_graph: {nodes: {add: {queue: {keep_last: 4}}}}"));
   EXPECT_THROW((void)(session.Serve<Sum, Total>("add", Add)), Error);
-}
-
-TEST_F(Services, FailPendingCallsWhenTheSessionEnds) {
-  auto session = std::make_unique<Session>();
-  test::Door door;
-  std::atomic<bool> begun{false};
-  const Service service = session->Serve<Sum, Total>("slow", [&](const Sum& sum) {
-    begun = true;
-    door.Pass();
-    return Add(sum);
-  });
-  const auto call = session->Call<Sum, Total>("slow", Sum{}, kLong);
-  ASSERT_TRUE(Await([&] { return begun.load(); }));
-  std::jthread end([&] { session.reset(); });
-  EXPECT_EQ(call.Wait().failure().kind, Kind::kClosed);
-  door.Open();
-  end.join();
-  EXPECT_TRUE(call.done());
 }
 
 TEST_F(Services, CountUnhandledRequestsAndDroppedReplies) {

@@ -173,7 +173,7 @@ void ComponentMoves::EndLeaving(const std::string& name) {
   if (one.lost > 0) {
     report.mutable_move()->set_sentence(std::to_string(one.lost) + " messages could not be handed over, and are lost.");
   }
-  hosted_.StopKeeping(name);
+  hosted_.StopTelling(name);
   leaving_.erase(name);
   hosted_.Forget(name);
   reports_.Tell(report);
@@ -248,6 +248,7 @@ ComponentMoves::Clock::time_point ComponentMoves::Await(const std::string& name,
 void ComponentMoves::Restore(const Move& order) {
   Arriving& one = arriving_.at(order.component());
   const MovingState moving = StateOf(order);
+  hosted_.TakeParams(order.component(), KeptOf(order));
   one.place->Restore(moving);
   hosted_.Keep(order.component(), moving.state);
   Tell(order.component(), Move::RESTORE);

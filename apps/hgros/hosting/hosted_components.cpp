@@ -25,7 +25,9 @@ HostedComponents::HostedComponents(Session& session, ComponentReports& reports, 
       kept_(kept),
       components_(session, {.log = [this](std::string_view component, LogLevel level,
                                           std::string_view text) { reports_.Line(component, level, text); },
-                            .on_change = [this](const ComponentStatus& status) { Note(status); }}) {}
+                            .on_change = [this](const ComponentStatus& status) { Note(status); },
+                            .on_params = [this](std::string_view component,
+                                                const ParamEvent& event) { Keep(component, event); }}) {}
 
 void HostedComponents::Construct(const ComponentCatalog& catalog) {
   for (const std::string& name : process_.components) {
@@ -49,18 +51,11 @@ void HostedComponents::Add(Hosted& one) {
     ForgetParams(one, error);
     (void)components_.Add(Next(one));
   }
-  Listen(one);
 }
 
 ComponentSetup HostedComponents::Next(const Hosted& one) {
   const std::scoped_lock lock(mutex_);
   return one.kept.Continue(one.setup->setup);
-}
-
-void HostedComponents::Listen(Hosted& one) {
-  one.changes = components_.params(one.setup->setup.name).OnChange({}, [this, &one](const ParamEvent& event) {
-    Keep(one, event);
-  });
 }
 
 void HostedComponents::ForgetParams(Hosted& one, const Error& error) {
@@ -164,17 +159,19 @@ void HostedComponents::Keep(Hosted& one, const std::shared_ptr<const RawMessage>
   reports_.Tell(ReportOf(name, *state));
 }
 
-void HostedComponents::Keep(Hosted& one, const ParamEvent& event) {
+void HostedComponents::Keep(std::string_view component, const ParamEvent& event) {
   for (const ParamPath& path : event.paths) {
     const ParamView after = event.after.At(path);
     RunReport report;
     RunReport::Changed& changed = *report.mutable_changed();
-    changed.set_component(one.setup->setup.name);
+    changed.set_component(std::string(component));
     changed.set_path(path.ToString());
     if (after.exists()) changed.set_value(after.ToYaml());
     {
       const std::scoped_lock lock(mutex_);
-      one.kept.params[changed.path()] = changed.value();
+      const auto found = hosted_.find(component);
+      if (found == hosted_.end()) return;
+      found->second.kept.params[changed.path()] = changed.value();
     }
     reports_.Tell(report);
   }
@@ -238,12 +235,11 @@ void HostedComponents::ConstructAgain(const std::string& name) {
     return Restart(one);
   }
   try {
-    components_.ConstructAgain(Next(one), kRestartPatience, [&](const auto& state) {
+    components_.ConstructAgain(name, kRestartPatience, [&](const auto& state) {
       Keep(one, state);
-      one.changes = {};
       Forget(one);
+      return Next(one);
     });
-    Listen(one);
   } catch (const std::exception& error) {
     reports_.Line(name, LogLevel::kWarning,
                   std::string("It ends first, so the messages that wait for it are lost. ") + error.what());
@@ -262,7 +258,6 @@ void HostedComponents::Forget(Hosted& one) {
 void HostedComponents::Restart(Hosted& one) {
   const std::string& name = one.setup->setup.name;
   components_.End(name);
-  one.changes = {};  // After its end: what is set until then is kept.
   Forget(one);
   one.save_at = one.look_at = Clock::time_point::max();
   try {
@@ -294,25 +289,32 @@ ComponentSetup HostedComponents::Expect(const RobotComponent& component, KeptCom
   return one.kept.Continue(component.setup);
 }
 
-void HostedComponents::Arrive(const std::string& name) {
-  Hosted& one = hosted_.at(name);
-  Listen(one);
-  Plan(one);
+void HostedComponents::Arrive(const std::string& name) { Plan(hosted_.at(name)); }
+
+void HostedComponents::TakeParams(const std::string& name, const KeptComponent& there) {
+  const std::vector<ParamChange> changes = [&] {
+    const std::scoped_lock lock(mutex_);
+    return there.ChangesSince(hosted_.at(name).kept);
+  }();
+  if (changes.empty()) return;
+  const ParamResult result = components_.params(name).Change(changes);
+  if (result.ok()) return;
+  reports_.Line(name, LogLevel::kWarning,
+                "A parameter that was changed while it moved has its earlier value again. " + result.refusal);
 }
 
 void HostedComponents::SetMoving(const std::string& name, bool moving) {
   if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.moving = moving;
 }
 
-void HostedComponents::StopKeeping(const std::string& name) {
-  if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.changes = {};
+void HostedComponents::StopTelling(const std::string& name) {
+  const std::scoped_lock lock(mutex_);
+  hosted_.erase(name);
 }
 
 void HostedComponents::Forget(const std::string& name) {
-  if (const auto found = hosted_.find(name); found != hosted_.end()) found->second.changes = {};
+  StopTelling(name);
   components_.End(name);
-  const std::scoped_lock lock(mutex_);
-  hosted_.erase(name);
 }
 
 void HostedComponents::Adopt(const std::string& name, KeptComponent kept) {

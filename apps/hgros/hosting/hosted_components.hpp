@@ -1,10 +1,12 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include "hgros/base/error.hpp"
 #include "hgros/component/component_catalog.hpp"
@@ -54,9 +56,11 @@ class HostedComponents {
   void Arrive(const std::string& name);
   /// While it moves, it is neither saved for checkpoints nor constructed again.
   void SetMoving(const std::string& name, bool moving);
-  /// Changes of its parameters are not told any more.
-  void StopKeeping(const std::string& name);
-  /// It is none of this process any more. Ends it if it is still here.
+  /// Takes over parameters that were changed in the other place since this one was constructed.
+  void TakeParams(const std::string& name, const KeptComponent& there);
+  /// It is none of this process any more, so nothing of it is told.
+  void StopTelling(const std::string& name);
+  /// The same. Ends it if it is still here.
   void Forget(const std::string& name);
   /// Constructs and starts one more.
   void Adopt(const std::string& name, KeptComponent kept);
@@ -69,7 +73,6 @@ class HostedComponents {
   struct Hosted {
     const RobotComponent* setup;
     KeptComponent kept{};
-    Listening changes{};                                   // Of its parameters.
     Clock::time_point save_at = Clock::time_point::max();  // The next checkpoint.
     Clock::time_point look_at = Clock::time_point::max();  // For a callback that does not return.
     std::string saved{};                                   // The bytes of the last one.
@@ -88,7 +91,6 @@ class HostedComponents {
   void Add(Hosted& one);
   // How its next instance is constructed.
   [[nodiscard]] ComponentSetup Next(const Hosted& one);
-  void Listen(Hosted& one);
   static void Plan(Hosted& one);
   // Those that were changed, because of `error`.
   void ForgetParams(Hosted& one, const Error& error);
@@ -100,7 +102,7 @@ class HostedComponents {
   // Whether it will be constructed again. mutex_ is held.
   [[nodiscard]] static bool PlanRestart(Hosted& one, const ComponentStatus& status);
   void Note(const ComponentStatus& status);
-  void Keep(Hosted& one, const ParamEvent& event);
+  void Keep(std::string_view component, const ParamEvent& event);
   [[nodiscard]] bool HasEnded(const Hosted& one) const;
 
   ComponentReports& reports_;
@@ -110,8 +112,8 @@ class HostedComponents {
   bool started_ = false;
 
   std::mutex mutex_;
-  std::map<std::string, Hosted> hosted_;  // Entries stay.
-  Components components_;                 // Ends first.
+  std::map<std::string, Hosted, std::less<>> hosted_;
+  Components components_;  // Ends first.
 };
 
 }  // namespace hgros::cli

@@ -1,10 +1,16 @@
 #include "launch/kept_component.hpp"
 
+#include <optional>
 #include <utility>
 
 #include "hgros/base/bytes.hpp"
 
 namespace hgros::cli {
+namespace {
+
+std::string SaidOf(const std::string& path) { return "hgros param set " + path; }
+
+}  // namespace
 
 void KeptComponent::Note(const RunReport::Changed& changed) {
   if (changed.path().empty()) {
@@ -16,8 +22,24 @@ void KeptComponent::Note(const RunReport::Changed& changed) {
 
 ComponentSetup KeptComponent::Continue(ComponentSetup setup) const {
   if (state != nullptr) setup.state = state;
-  for (const auto& [path, value] : params) setup.params.overrides.push_back({path, value, "hgros param set " + path});
+  for (const auto& [path, value] : params) setup.params.overrides.push_back({path, value, SaidOf(path)});
   return setup;
+}
+
+std::vector<ParamChange> KeptComponent::ChangesSince(const KeptComponent& earlier) const {
+  std::vector<ParamChange> changes;
+  for (const auto& [path, value] : params) {
+    const auto found = earlier.params.find(path);
+    if (found != earlier.params.end() && found->second == value) continue;
+    if (value.empty()) {
+      changes.push_back({path, std::nullopt});
+    } else {
+      const ParamServer reader({.overrides = {{"value", value, SaidOf(path)}}});
+      const ParamNodePtr node = reader["value"].node();
+      changes.push_back({path, node == nullptr ? ParamNode() : *node});
+    }
+  }
+  return changes;
 }
 
 void Write(const KeptComponent& kept, RunOrder::Move& move) {

@@ -4,8 +4,10 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "hgros/component/components.hpp"
+#include "hgros/params/param_server.hpp"
 #include "launch/run.pb.h"
 
 namespace hgros::cli {
@@ -18,6 +20,8 @@ struct KeptComponent {
   void Note(const RunReport::Changed& changed);
   /// The setup of the next instance.
   [[nodiscard]] ComponentSetup Continue(ComponentSetup setup) const;
+  /// Of its parameters, those that differ from `earlier`.
+  [[nodiscard]] std::vector<ParamChange> ChangesSince(const KeptComponent& earlier) const;
 };
 
 /// By the names of components.

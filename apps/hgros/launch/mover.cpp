@@ -174,7 +174,8 @@ void Mover::SendReceive(Move& move, const RunOrder::Move& looked) {
 }
 
 void Mover::SendRestore(Move& move) {
-  if (move.from_gone) Write(KeptComponent{means_.kept[move.component].state, {}}, move.moving);
+  const KeptComponent& kept = means_.kept[move.component];  // Parameters have changed since the new place got them.
+  Write(KeptComponent{move.from_gone ? kept.state : nullptr, kept.params}, move.moving);
   move.moving.MergeFrom(OrderOf(move, Step::RESTORE));
   Go(move, Stage::kRestores, kMovePatience);
   Send(*move.to, move.moving);

@@ -82,6 +82,13 @@ struct StartedUnit {
     kill_at = Clock::time_point::max();
     for (const auto& [component, latest] : alone) kill_at = std::min(kill_at, latest);
   }
+  /// Of a process that has ended by itself: all its components had ended, some before they knew that they are to be
+  /// constructed again.
+  [[nodiscard]] bool MissedAgain() const {
+    return process != nullptr && !alone.empty() && std::ranges::all_of(process->components, [this](const auto& one) {
+             return ended.contains(one) || alone.contains(one);
+           });
+  }
   [[nodiscard]] bool begins() const { return stage < UnitStage::kRunning; }
   [[nodiscard]] bool runs_components() const { return process != nullptr && stage == UnitStage::kRunning && !again; }
 };

@@ -231,9 +231,7 @@ void Starter::Take(Unit& unit, const RunReport& report) {
       return;
     case RunReport::kComponent: return TakeComponent(unit, report.component());
     case RunReport::kSaved: kept_[report.saved().component()].state = StateOf(report.saved()); return;
-    case RunReport::kChanged:
-      kept_[report.changed().component()].Note(report.changed());
-      return mover_.Disturb(report.changed().component(), "A parameter of it was changed. Try again.");
+    case RunReport::kChanged: return kept_[report.changed().component()].Note(report.changed());
     case RunReport::kMove: return mover_.Take(unit, report.move());
     case RunReport::kLine:
       return log_.Add({report.line().time_ns(), unit.setup->name, report.line().component(),
@@ -293,9 +291,12 @@ void Starter::TakeEnd(Unit& unit) {
 
 void Starter::TakeStatus(Unit& unit) {
   const int status = unit.status = unit.running->status();
+  const bool well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  unit.again = unit.again || (well && unit.MissedAgain());
+  unit.alone.clear();
   const bool told = unit.stage == Stage::kEnds || unit.again;
   const bool left = unit.process != nullptr && unit.ended.size() < unit.process->components.size();
-  const bool failed = unit.failed || left || !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  const bool failed = unit.failed || left || !well;
   const bool early = !released_ && !told;
   if (failed && !told) ReportFailure(unit, status);
   unit.running.reset();
@@ -306,8 +307,7 @@ void Starter::TakeStatus(Unit& unit) {
     unit.stage = Stage::kWaits;
     unit.due = Clock::now();
   }
-  if (told) return;
-  if (ending_) return;
+  if (told || ending_) return;
   if (early) return EndAll("The robot cannot start without " + Named(unit.setup->name) + ".", kFailed);
   const RestartPolicy policy = unit.setup->restart;
   if (policy == RestartPolicy::kAlways || (policy == RestartPolicy::kOnFailure && failed)) StartAgain(unit);

@@ -24,10 +24,8 @@
 namespace hgros::cli {
 namespace {
 
-constexpr std::chrono::seconds kSilence{8};               // The starter tells every second that it is there.
-constexpr std::chrono::milliseconds kUnitPatience{1600};  // As the starter's.
-constexpr std::size_t kFarUnsentBytes = 1U << 20U;        // Then the unit waits.
-constexpr int kFailedStatus = 1 << 8;                     // The wait status of exit code 1.
+constexpr std::size_t kFarUnsentBytes = 1U << 20U;  // Then the unit waits.
+constexpr int kFailedStatus = 1 << 8;               // The wait status of exit code 1.
 
 int NonBlocking(int descriptor) {
   const int copy = fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
@@ -148,7 +146,7 @@ void FarEnd::Wait() {
     if (!unit_->stream_ended()) watched.push_back({unit_->stream().descriptor(), static_cast<short>(events), 0});
     if (room && unit_->output() >= 0) watched.push_back({unit_->output(), POLLIN, 0});
   }
-  const Clock::time_point due = std::min(gone_ ? Clock::time_point::max() : heard_ + kSilence, kill_at_);
+  const Clock::time_point due = std::min(gone_ ? Clock::time_point::max() : heard_ + kFarSilence, kill_at_);
   int wait_ms = -1;
   if (due != Clock::time_point::max()) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(due - Clock::now()).count();
@@ -174,13 +172,13 @@ void FarEnd::HearStarter() {
       case RemoteOrder::ORDER_NOT_SET: break;
     }
   }
-  if (!more || Clock::now() - heard_ > kSilence) gone_ = true;
+  if (!more || Clock::now() - heard_ > kFarSilence) gone_ = true;
 }
 
 void FarEnd::Obey(const RunOrder& order) {
   ends_ = ends_ || order.has_end();
   if (unit_ == nullptr) return;
-  if (order.has_end()) kill_at_ = std::min(kill_at_, Clock::now() + kUnitPatience);
+  if (order.has_end()) kill_at_ = std::min(kill_at_, Clock::now() + kFarPatience);
   if (process_ == nullptr) {
     if (order.has_end()) unit_->Signal(SIGTERM);
     return;

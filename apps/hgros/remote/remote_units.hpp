@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <string>
 #include <vector>
@@ -12,6 +13,12 @@
 #include "remote/remote.pb.h"
 
 namespace hgros::cli {
+
+/// The starter tells every second that it is there. What it has started on another host ends if it is silent for so
+/// long,
+inline constexpr std::chrono::seconds kFarSilence{8};
+/// and has so long to end. Then it is killed.
+inline constexpr std::chrono::milliseconds kFarPatience{1600};
 
 /// The processes and programs of a robot that run on other hosts, and what these need to start them.
 class RemoteUnits {

@@ -19,6 +19,7 @@
 
 #include "hgros/base/error.hpp"
 #include "processes/process_end.hpp"
+#include "remote/remote_units.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -28,6 +29,8 @@ constexpr std::size_t kRelayedBytes = 1U << 20U;  // Then the other end waits.
 constexpr int kSshFailed = 255;                   // Exit codes of ssh,
 constexpr int kNotFound = 127;                    // of a shell,
 constexpr int kNoSsh = 126;                       // and of what should have become ssh.
+
+constexpr auto kFarEnd = std::chrono::ceil<std::chrono::seconds>(kFarSilence + kFarPatience);
 
 std::string DestinationOf(const RobotHost& host) { return host.ssh.empty() ? host.address : host.ssh; }
 
@@ -232,10 +235,11 @@ int SshRelay::SayWhy(int ssh_status) {
   const int code = WIFEXITED(ssh_status) ? WEXITSTATUS(ssh_status) : kSshFailed;
   if (refused_ || code == kNoSsh) return code;
   const std::string named = "\"" + host_.name + "\"";
+  const std::string ends = heard_ ? " What runs there ends within " + std::to_string(kFarEnd.count()) + " s." : "";
   if (!WIFEXITED(ssh_status)) {
-    Fault("The connection to the host " + named + " is lost: ssh has failed, " + EndText(ssh_status) + ".");
+    Fault("The connection to the host " + named + " is lost: ssh has failed, " + EndText(ssh_status) + "." + ends);
   } else if (heard_) {
-    Fault("The connection to the host " + named + " is lost. What runs there ends within seconds.");
+    Fault("The connection to the host " + named + " is lost." + ends);
   } else if (code == kSshFailed) {
     Fault("ssh cannot connect to the host " + named +
           "; its own words are above. This must work without a question: `ssh " + DestinationOf(host_) + " " +
@@ -248,6 +252,24 @@ int SshRelay::SayWhy(int ssh_status) {
           ". Install the same version of hgros there.");
   }
   return code;
+}
+
+void SshRelay::AwaitFarEnd() {
+  const int starter = starter_.descriptor();
+  (void)fcntl(starter, F_SETFL, fcntl(starter, F_GETFL) | O_NONBLOCK);
+  const auto end = Clock::now() + kFarEnd;
+  for (auto now = Clock::now(); now < end; now = Clock::now()) {
+    std::array<pollfd, 2> watched{pollfd{signals_, POLLIN, 0}, pollfd{starter, POLLIN, 0}};
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - now).count();
+    if (poll(watched.data(), watched.size(), static_cast<int>(left)) < 0) continue;
+    if (watched[0].revents != 0) return;  // The starter does not wait.
+    if (watched[1].revents == 0) continue;
+    if (!starter_.Read()) return;
+    RunOrder order;
+    while (starter_.Next(order)) {
+      if (order.has_end()) return;
+    }
+  }
 }
 
 int SshRelay::Run() {
@@ -268,6 +290,7 @@ int SshRelay::Run() {
   (void)starter_.Write();
   const int code = SayWhy(status);
   (void)starter_.Write();
+  if (heard_ && !has_ended_ && !refused_) AwaitFarEnd();
   return code;
 }
 

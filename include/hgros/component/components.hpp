@@ -56,6 +56,8 @@ struct ComponentsOptions {
   /// Called after a status has changed, on the thread that changed it, which may be in a callback. It must not call
   /// Components.
   std::function<void(const ComponentStatus& status)> on_change = {};
+  /// Called after parameters of a component have changed, except in its constructor, as ParamServer::OnChange says.
+  std::function<void(std::string_view component, const ParamEvent& event)> on_params = {};
   /// Every callback runs in the thread that publishes, whatever its node and the configuration say. For tests.
   bool all_inline = false;
   /// Others can read and change the components' parameters.
@@ -100,16 +102,17 @@ class HGROS_EXPORT Components {
   /// Error if callbacks still run after `patience`.
   [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::string_view name,
                                                        std::chrono::nanoseconds patience = std::chrono::seconds(1));
-  using OnSaved = std::function<void(const std::shared_ptr<const RawMessage>& state)>;
+  using SetupAgain = std::function<ComponentSetup(const std::shared_ptr<const RawMessage>& state)>;
   /// Constructs a component that runs again: lets its callbacks end, saves it, calls Deactivate, destroys it,
-  /// constructs it from `setup`, restores it, and lets it join and start. Its subscriptions stay, and what comes
-  /// meanwhile waits for the new object, so no message is lost, handled twice or out of order. A call that waits fails
-  /// and can be repeated. ComponentSetup::state is not used. `saved` gets the state as soon as no callback runs.
+  /// constructs it from what `setup` returns, restores it, and lets it join and start. Its subscriptions stay, and what
+  /// comes meanwhile waits for the new object, so no message is lost, handled twice or out of order. A call that waits
+  /// fails and can be repeated. `setup` is called with the state once the old object has gone, so it knows all changes
+  /// of parameters; its ComponentSetup::state is not used.
   ///
   /// Errors: throws Error if the class has no Save, callbacks still run after `patience`, or it cannot be saved; it
-  /// runs on then. Otherwise as Add and Join, or what `saved` throws; what waits is lost then, and nothing is left of
+  /// runs on then. Otherwise as Add and Join, or what `setup` throws; what waits is lost then, and nothing is left of
   /// it.
-  void ConstructAgain(const ComponentSetup& setup, std::chrono::nanoseconds patience, const OnSaved& saved = {});
+  void ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const SetupAgain& setup);
   /// Counts and logs callbacks that run for longer than the deadline and have not returned, each once. Those that have
   /// returned are counted without it.
   void NoteHanging(std::string_view name);

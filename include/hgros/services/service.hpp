@@ -52,7 +52,7 @@ template <class Request, class M>
 /// Keeps a service running; move-only.
 ///
 /// Lifetime: destroying it stops new requests at once, and waiting requests fail. Outside callbacks it waits for
-/// running handlers. It may outlive its session and then does nothing.
+/// running handlers, and the handler's captures are destroyed then. It may outlive its session and then does nothing.
 class HGROS_EXPORT Service {
  public:
   Service() = default;

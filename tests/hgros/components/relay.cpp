@@ -6,6 +6,8 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -85,6 +87,7 @@ class Does {
   }
   void Deactivate() {
     context_.log().Write(hgros::LogLevel::kInfo, "I end.");
+    if (what_ == "finish once" && done_) Wait(std::chrono::seconds(1));
     while (what_ == "hang at end") (void)pause();
   }
 
@@ -97,6 +100,7 @@ class Does {
     if (what_ == "exit well") _exit(0);
     if (what_ == "fail") context_.Fail("the laser is broken");
     if (what_ == "finish") context_.Finish("enough");
+    if (what_ == "finish once") FinishOnce();
     if (what_ == "throw late") {
       context_.log().Write(hgros::LogLevel::kInfo, "I wait.");
       Wait(std::chrono::milliseconds(700));
@@ -112,6 +116,14 @@ class Does {
     if (what_ == "print") std::printf("printed, and\nin two lines\n");
   }
 
+  // Not in the process that follows.
+  void FinishOnce() {
+    const std::filesystem::path before = std::filesystem::path(std::getenv("FOLDER")) / "has_finished";
+    done_ = !std::filesystem::exists(before);
+    if (!done_) return;
+    std::ofstream(before).flush();
+    context_.Finish("enough");
+  }
   void Wait(std::chrono::milliseconds time) {
     std::unique_lock lock(mutex_);
     (void)never_.wait_for(lock, time, [] { return false; });

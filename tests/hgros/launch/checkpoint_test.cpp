@@ -112,6 +112,17 @@ TEST(HgrosCheckpoint, ARestartOfOneComponentEndsWhenTheNextInstanceRuns) {
   EXPECT_EQ(begun, 2U) << out;
 }
 
+TEST(HgrosCheckpoint, ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAgain) {
+  RunningRobot robot(
+      "components: {a: {type: relay/Does, params: {what: finish once}}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [a]}}\n");
+  ASSERT_TRUE(robot.Prints("It has finished: enough"));
+  const CommandEnd end = robot.Ask({"restart", "a"});  // Its process still ends, for a second.
+  EXPECT_EQ(end.status, 0) << end.err << robot.out();
+  EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("a +relay/Does[^\n]*running"));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("has failed")));
+}
+
 TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsStartsItsProcessAgain) {
   RunningRobot robot(
       "components: {counter: {type: relay/Counter, checkpoint: 20ms}, other: {type: relay/Does}}\n"

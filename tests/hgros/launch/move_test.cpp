@@ -18,6 +18,7 @@
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
+#include "hgros/params/remote_params.hpp"
 #include "support/await.hpp"
 
 namespace hgros::cli {
@@ -103,6 +104,7 @@ class MovingRobot {
     EXPECT_EQ(run_.Wait(), 128 + SIGINT) << out();
   }
   [[nodiscard]] CommandRun& run() { return run_; }
+  [[nodiscard]] std::string domain() const { return folder_.environment().at("HGROS_DOMAIN"); }
 
  private:
   [[nodiscard]] static std::vector<std::string> Matches(const std::string& text, const std::string& pattern) {
@@ -193,6 +195,35 @@ TEST(HgrosRestart, OfAComponentLosesNothingAndRepeatsNothing) {
   EXPECT_GE(std::stoi(count.out.substr(number)), before) << "It has counted all of them.";
   robot.End();
   EXPECT_THAT(robot.out(), Not(HasSubstr("error")));
+}
+
+TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
+  MovingRobot robot;
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  RobotForCommands desk("desk", robot.domain());
+  RemoteParams params(desk.session(), "passing");
+  std::mt19937 random(11);
+  int last = 0;
+  for (int round = 0; round < 24; ++round) {
+    const std::string to = std::vector<std::string>{"a", "b", "c"}[random() % 3];
+    const bool moves = round % 2 == 0;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(random() % 80'000);
+    auto done = std::async(std::launch::async, [&] {
+      return moves ? robot.Move(to) : robot.Command({"restart", "passing"});
+    });
+    std::vector<int> possible{last};  // One that fails may have been set, or not.
+    do {
+      const bool ok = params.Set("bytes", ++last).ok();
+      if (ok) possible.clear();
+      possible.push_back(last);
+    } while (std::chrono::steady_clock::now() < end);
+    EXPECT_EQ(done.get().status, 0);
+    const auto value = params.Get<int>("bytes");
+    ASSERT_TRUE(value.ok()) << value.refusal;
+    EXPECT_THAT(possible, testing::Contains(*value)) << "round " << round << (moves ? ", moved to " + to : "");
+    last = std::max(last, *value);
+  }
+  robot.End();
 }
 
 TEST(HgrosMove, SaysWhyItCannot) {

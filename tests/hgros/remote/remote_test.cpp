@@ -415,6 +415,24 @@ TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
   EXPECT_EQ(run->Wait(), 128 + SIGINT);
 }
 
+TEST(HgrosRemote, WhatHasLostItsConnectionHasEndedBeforeItIsStartedAgain) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components: {does: {type: relay/Does, params: {what: hang at end}}}\n"
+                          "processes: {p: {components: [does], host: base, restart: on-failure}}\n");
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  const pid_t before = FindOn(host.cable.right, "p");
+  ASSERT_GT(before, 0);
+  ASSERT_EQ(kill(FindOn(host.cable.left, "ssh"), SIGKILL), 0);
+  EXPECT_TRUE(run->Prints("It is started again."));
+  EXPECT_FALSE(Runs(before));
+  EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "p") > 0; })) << run->out();
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT);
+}
+
 TEST(HgrosRemote, SaysWhichLibraryDiffers) {
   const RobotFolder other("");
   const std::filesystem::path library = other.path("libhgros_test_relay.so");

@@ -11,7 +11,8 @@ namespace hgros {
 
 /// Keeps a callback registered; move-only. The object it is registered with may end first.
 ///
-/// Lifetime: destroying it stops new calls and waits for the one in flight, unless it is destroyed by that call.
+/// Lifetime: destroying it stops new calls, waits for the one in flight and destroys the callback's captures, unless it
+/// is destroyed by that call: then they are destroyed after it.
 class [[nodiscard]] Listening {
  public:
   Listening() = default;
@@ -44,19 +45,31 @@ class GuardedCallback {
   explicit GuardedCallback(std::function<void(Arguments...)> callback) : callback_(std::move(callback)) {}
 
   void Call(Arguments... arguments) {
+    Callback ended;  // Destroyed after the lock.
     const std::scoped_lock lock(calling_);
-    if (!closed_) callback_(arguments...);
+    if (closed_) return;
+    ++depth_;
+    const auto leave = [&](GuardedCallback* of) {
+      if (--of->depth_ == 0 && of->closed_) ended = std::exchange(of->callback_, nullptr);
+    };
+    const std::unique_ptr<GuardedCallback, decltype(leave)> left(this, leave);
+    callback_(arguments...);
   }
   /// No call starts after this returns, and none is running except on this thread.
   void Close() {
+    Callback ended;
     const std::scoped_lock lock(calling_);
     closed_ = true;
+    if (depth_ == 0) ended = std::exchange(callback_, nullptr);
   }
 
  private:
+  using Callback = std::function<void(Arguments...)>;
+
   std::recursive_mutex calling_;
+  int depth_ = 0;
   bool closed_ = false;
-  const std::function<void(Arguments...)> callback_;
+  Callback callback_;
 };
 
 /// Callbacks for events, called in the order in which they were added.

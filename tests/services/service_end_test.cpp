@@ -1,0 +1,78 @@
+// The end of a service and of its session.
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "services/services_fixture.hpp"
+
+namespace hgros {
+namespace {
+
+using test::Add;
+using test::Await;
+using test::Kind;
+using test::kLong;
+using test::Sum;
+using test::Total;
+
+class ServiceEnd : public test::DomainFixture {};
+
+TEST_F(ServiceEnd, LetsItBeServedAgain) {
+  Session session;
+  Service first = session.Serve<Sum, Total>("add", Add);
+  first.Reset();
+  EXPECT_FALSE(first.active());
+  const Service second = session.Serve<Sum, Total>("add", [](const Sum&) { return Total{7}; });
+  EXPECT_EQ((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()->value), 7);
+}
+
+// Other threads use the service's inner parts meanwhile, as discovery does.
+TEST_F(ServiceEnd, DestroysTheHandlersCaptures) {
+  Session session;
+  std::atomic<bool> done{false};
+  std::thread looks([&] {
+    while (!done) (void)session.Snapshot();
+  });
+  for (int round = 0; round < 2000; ++round) {
+    const auto held = std::make_shared<int>(round);
+    Service service = session.Serve<Sum, Total>("add", [held](const Sum& sum) { return Add(sum); });
+    service.Reset();
+    EXPECT_EQ(held.use_count(), 1) << "round " << round;
+  }
+  done = true;
+  looks.join();
+}
+
+TEST_F(ServiceEnd, InsideTheHandlerDestroysItsCapturesLater) {
+  Session session;
+  auto held = std::make_shared<int>(0);
+  const std::weak_ptr<int> alive = held;
+  Service service;
+  service = session.Serve<Sum, Total>("add", [held = std::move(held), &service](const Sum& sum) {
+    service.Reset();
+    return Total{*held + Add(sum).value};  // Its captures are still here.
+  });
+  (void)session.Call<Sum, Total>("add", Sum{}, kLong).Wait();
+  EXPECT_TRUE(Await([&] { return alive.expired(); }));
+}
+
+TEST_F(ServiceEnd, OfTheSessionFailsPendingCalls) {
+  auto session = std::make_unique<Session>();
+  test::Door door;
+  std::atomic<bool> begun{false};
+  const Service service = session->Serve<Sum, Total>("slow", [&](const Sum& sum) {
+    begun = true;
+    door.Pass();
+    return Add(sum);
+  });
+  const auto call = session->Call<Sum, Total>("slow", Sum{}, kLong);
+  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  std::jthread end([&] { session.reset(); });
+  EXPECT_EQ(call.Wait().failure().kind, Kind::kClosed);
+  door.Open();
+  end.join();
+  EXPECT_TRUE(call.done());
+}
+
+}  // namespace
+}  // namespace hgros
