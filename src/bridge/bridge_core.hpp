@@ -115,6 +115,7 @@ class BridgeCore final : private DiscoveryListener {
   void EndMove(SessionId peer, TransportIndex gone);
   void MoveChannel(JoinedInbound& joined, SessionId peer);
   void ForgetForbiddenMoves(SessionId peer);
+  static void EndMoves(JoinedInbound& joined, SessionId peer, const JoinedInbound::Which& which);
   void AwaitSubscriber(SessionId subscriber, JoinedOutbound::Abandon give_up);
   void GiveUpSubscriber(const PeerInfo& subscriber);
   template <class Joined>

@@ -55,12 +55,25 @@ void BridgeCore::GiveUpSubscriber(const PeerInfo& subscriber) {
   for (const auto& joined : Listed(outbound_)) joined->GiveUp(subscriber.id, subscriber.name());
 }
 
-// If a channel may no longer use both transports of its move, its messages are delivered as they come.
+// If a channel may no longer use both transports of its move, its messages are delivered as they come. Those that have
+// waited on the new transport also come over the old one, unless that is the one that it may not use.
 void BridgeCore::ForgetForbiddenMoves(SessionId peer) {
   for (const auto& joined : Listed(inbound_)) {
     const TransportSet allowed = peers_.Allowed(peer, joined->channel());
-    joined->ForgetMove(peer, [allowed](MoveWay way) { return !allowed.Has(way.from) || !allowed.Has(way.to); });
+    joined->ForgetMove(peer, [allowed](MoveWay way) { return allowed.Has(way.from) && !allowed.Has(way.to); });
   }
+  options_.later({}, [this, peer] {
+    for (const auto& joined : Listed(inbound_)) {
+      const TransportSet allowed = peers_.Allowed(peer, joined->channel());
+      EndMoves(*joined, peer, [allowed](MoveWay way) { return !allowed.Has(way.from); });
+    }
+  });
+}
+
+// On a thread that may run user code.
+void BridgeCore::EndMoves(JoinedInbound& joined, SessionId peer, const JoinedInbound::Which& which) {
+  joined.FinishMove(peer, which);
+  joined.ForgetMove(peer, which);
 }
 
 void BridgeCore::EndMove(SessionId peer, TransportIndex gone) {
@@ -70,10 +83,7 @@ void BridgeCore::EndMove(SessionId peer, TransportIndex gone) {
   // user code.
   options_.later({}, [this, peer, gone] {
     const auto from_there = [gone](MoveWay way) { return way.from == gone; };
-    for (const auto& joined : Listed(inbound_)) {
-      joined->FinishMove(peer, from_there);
-      joined->ForgetMove(peer, from_there);
-    }
+    for (const auto& joined : Listed(inbound_)) EndMoves(*joined, peer, from_there);
     if (const auto next = peers_.NextMove(peer)) {
       BeginMove(peer, *next);
       AskAgain();

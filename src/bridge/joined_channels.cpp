@@ -36,8 +36,8 @@ class JoinedOutbound::Part final : public OutboundSource {
     joined_.TellSubscribers();
   }
   void OnUnsubscribed(SessionId subscriber) noexcept override {
-    joined_.gate_.Through([&] {  // The other parts end behind it.
-      if (std::ranges::count(joined_.Subscribers(index_), subscriber) == 0) joined_.source_.OnUnsubscribed(subscriber);
+    joined_.gate_.Through([&] {
+      if (joined_.HasEnded(subscriber, index_)) joined_.source_.OnUnsubscribed(subscriber);
     });
   }
 
@@ -84,7 +84,9 @@ void JoinedOutbound::Add(Transport& transport) {
 
 void JoinedOutbound::TellSubscribers() {
   const std::scoped_lock lock(telling_);
-  source_.OnSubscribers(std::accumulate(subscribers_.begin(), subscribers_.end(), cut_.count()));
+  const std::size_t count = std::accumulate(subscribers_.begin(), subscribers_.end(), cut_.count());
+  if (count == 0) ending_.clear();  // Also of those that were lost before.
+  source_.OnSubscribers(count);
 }
 
 void JoinedOutbound::Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished) {
@@ -139,21 +141,33 @@ void JoinedOutbound::GiveUp(SessionId subscriber, const std::string& name, std::
 
 std::size_t JoinedOutbound::subscriber_count() const noexcept {
   std::size_t sum = cut_.count();
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->subscriber_count();
+  for (const auto& part : Parts()) sum += part->channel->subscriber_count();
   return sum;
 }
 
-std::vector<SessionId> JoinedOutbound::Subscribers(std::optional<std::size_t> except) const {
+std::vector<SessionId> JoinedOutbound::Subscribers() const {
   std::vector<SessionId> all;
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i == except) continue;
-    for (const SessionId one : parts_[i]->channel->Subscribers()) {
+  for (const auto& part : Parts()) {
+    for (const SessionId one : part->channel->Subscribers()) {
       if (std::ranges::find(all, one) == all.end()) all.push_back(one);
     }
   }
   return all;
+}
+
+// A subscriber that moves to another transport ends over one and stays on the others. But it may also have ended over
+// all of them, and have begun again over some before it has ended over the last.
+bool JoinedOutbound::HasEnded(SessionId subscriber, std::size_t part) {
+  std::set<std::size_t> there;
+  for (std::size_t i = 0; i < Parts().size(); ++i) {
+    if (i != part && std::ranges::count(parts_[i]->channel->Subscribers(), subscriber) > 0) there.insert(i);
+  }
+  const std::scoped_lock lock(telling_);
+  const auto left = ending_.try_emplace(subscriber, there).first;
+  std::erase_if(left->second, [&](std::size_t one) { return !there.contains(one); });
+  if (!left->second.empty()) return false;
+  ending_.erase(left);
+  return true;
 }
 
 PublishStatus JoinedOutbound::Reserve() noexcept {
@@ -161,11 +175,11 @@ PublishStatus JoinedOutbound::Reserve() noexcept {
     refused_ = true;
     if (!cut_.HasRoom()) return PublishStatus::kFull;
   }
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) {
-    const PublishStatus status = parts_[i]->channel->Reserve();
+  const auto parts = Parts();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const PublishStatus status = parts[i]->channel->Reserve();
     if (status == PublishStatus::kOk) continue;
-    for (std::size_t before = 0; before < i; ++before) parts_[before]->channel->Cancel();
+    for (const auto& before : parts.first(i)) before->channel->Cancel();
     return status;
   }
   return PublishStatus::kOk;
@@ -176,8 +190,7 @@ bool JoinedOutbound::Commit(const PacketHead& head, const Payload& data) noexcep
   {
     const std::scoped_lock lock(committing_);
     last_ns_ = head.publish_monotonic_ns;
-    const std::size_t count = count_.load(std::memory_order_acquire);
-    for (std::size_t i = 0; i < count; ++i) all = parts_[i]->channel->Commit(head, data) && all;
+    for (const auto& part : Parts()) all = part->channel->Commit(head, data) && all;
     if (cut_.count() > 0) {  // Last, for subscribers that are cut off meanwhile.
       const std::size_t missed = cut_.Push(head, data);
       missed_.fetch_add(missed, std::memory_order_relaxed);
@@ -199,18 +212,13 @@ void JoinedOutbound::SayNoMemory() noexcept {
 }
 
 void JoinedOutbound::Cancel() noexcept {
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->Cancel();
+  for (const auto& part : Parts()) part->channel->Cancel();
 }
 
 template <typename Holds>
 bool JoinedOutbound::AnyListened(const Holds& holds) const {
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) {
-    OutboundChannel& channel = *parts_[i]->channel;
-    if (channel.subscriber_count() > 0 && holds(channel)) return true;
-  }
-  return false;
+  return std::ranges::any_of(
+      Parts(), [&](const auto& part) { return part->channel->subscriber_count() > 0 && holds(*part->channel); });
 }
 
 std::optional<Block> JoinedOutbound::Loan(std::size_t size_bytes) {
@@ -231,9 +239,8 @@ bool JoinedOutbound::FindMemory(std::size_t size_bytes, Bytes written, std::opti
 
 OutboundStats JoinedOutbound::stats() const {
   OutboundStats sum;
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto stats = parts_[i]->channel->stats();
+  for (const auto& part : Parts()) {
+    const auto stats = part->channel->stats();
     sum.subscribers += stats.subscribers;
     sum.sent += stats.sent;
     sum.dropped += stats.dropped;
@@ -248,8 +255,7 @@ OutboundStats JoinedOutbound::stats() const {
 
 std::size_t JoinedOutbound::Unfinished() const {
   std::size_t sum = 0;
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->Unfinished();
+  for (const auto& part : Parts()) sum += part->channel->Unfinished();
   return sum;
 }
 
@@ -337,12 +343,8 @@ Accepted JoinedInbound::Accept(InboundMessage&& message, TransportIndex transpor
 }
 
 bool JoinedInbound::Comes(SessionId publisher, TransportIndex over) const {
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  bool comes = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    comes = comes || (parts_[i]->transport == over && parts_[i]->channel->Asks(publisher));
-  }
-  return comes;
+  return std::ranges::any_of(
+      Parts(), [&](const auto& part) { return part->transport == over && part->channel->Asks(publisher); });
 }
 
 bool JoinedInbound::Move(SessionId publisher, MoveWay way) {
@@ -385,16 +387,14 @@ void JoinedInbound::Add(Transport& transport, TransportIndex over) {
 
 std::size_t JoinedInbound::publisher_count() const noexcept {
   std::size_t sum = 0;
-  const std::size_t count = count_.load(std::memory_order_acquire);
-  for (std::size_t i = 0; i < count; ++i) sum += parts_[i]->channel->publisher_count();
+  for (const auto& part : Parts()) sum += part->channel->publisher_count();
   return sum;
 }
 
 void JoinedInbound::SetDemand(const Demand& demand) {
   const std::scoped_lock lock(adding_);
   demand_ = demand;
-  const std::size_t count = count_.load();
-  for (std::size_t i = 0; i < count; ++i) parts_[i]->channel->SetDemand(demand);
+  for (const auto& part : Parts()) part->channel->SetDemand(demand);
 }
 
 }  // namespace hgros

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -48,8 +50,7 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
 
   [[nodiscard]] std::size_t subscriber_count() const noexcept;
   /// The sessions that subscribe now, each once; without those that were lost and may come back.
-  /// `except`: not over this transport.
-  [[nodiscard]] std::vector<SessionId> Subscribers(std::optional<std::size_t> except = {}) const;
+  [[nodiscard]] std::vector<SessionId> Subscribers() const;
   PublishStatus Reserve() noexcept;
   /// See OutboundChannel. A lack of memory is logged.
   bool Commit(const PacketHead& head, const Payload& data) noexcept;
@@ -70,11 +71,16 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
 
  private:
   class Part;
+  [[nodiscard]] std::span<const std::unique_ptr<Part>> Parts() const noexcept {
+    return std::span(parts_).first(count_.load(std::memory_order_acquire));
+  }
   void SayNoMemory() noexcept;
   void Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished);
   // The messages that a subscriber gets first.
   [[nodiscard]] std::vector<OutboundMessage> First(SessionId subscriber);
   void TellSubscribers();
+  // Called for each end of a subscriber over a transport. True if it has ended over all that it had at the first one.
+  [[nodiscard]] bool HasEnded(SessionId subscriber, std::size_t part);
   // Whether `holds` is true for the channel of a transport that has subscribers.
   template <typename Holds>
   [[nodiscard]] bool AnyListened(const Holds& holds) const;
@@ -96,7 +102,8 @@ class JoinedOutbound : public std::enable_shared_from_this<JoinedOutbound> {
   CallGate gate_;  // For calls of the bridge into the source.
   // The sum is computed and reported under one lock, so that the last reported value is right.
   std::mutex telling_;
-  std::vector<std::size_t> subscribers_;  // By part.
+  std::vector<std::size_t> subscribers_;               // By part.
+  std::map<SessionId, std::set<std::size_t>> ending_;  // The parts over which it has not ended; guarded by telling_.
 };
 
 /// One subscribed channel over all transports of a session, into one sink.
@@ -136,6 +143,9 @@ class JoinedInbound {
 
  private:
   class Part;
+  [[nodiscard]] std::span<const std::unique_ptr<Part>> Parts() const noexcept {
+    return std::span(parts_).first(count_.load(std::memory_order_acquire));
+  }
   [[nodiscard]] bool Comes(SessionId publisher, TransportIndex over) const;
   // Under accepting_.
   [[nodiscard]] Accepted Accept(InboundMessage&& message, TransportIndex transport);

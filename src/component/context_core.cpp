@@ -182,6 +182,7 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
     }
   }
   AnyCallback guarded;
+  std::shared_ptr<InputGate> gate;
   if (!guard_->counts()) {  // The usual case, with the least code in the way of a message.
     guarded = [guard = guard_, callback = std::move(callback)](const AnyMessage& message, const MessageInfo& info) {
       guard->Note([&] { callback(message, info); });
@@ -195,14 +196,17 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
                                   std::move(callback), guard_);
     if (asked.ends) EndInput(*asked.ends);
     if (!asked.fresh) return;
-    guarded = [gate = asked.fresh](const AnyMessage& message, const MessageInfo& info) { gate->Take(message, info); };
+    gate = asked.fresh;
+    guarded = [gate](const AnyMessage& message, const MessageInfo& info) { gate->Take(message, info); };
   }
   const std::string node = options.name;
   Add(inputs_, {node,
                 [this, here, &type = input.type, invoke = input.invoke, where = input.where,
-                 callback = std::move(guarded), options = std::move(options)]() -> Kept {
-                  return std::make_shared<Subscription>(
+                 callback = std::move(guarded), options = std::move(options), gate = std::move(gate)]() -> Kept {
+                  auto made = std::make_shared<Subscription>(
                       SessionParts(session()).Subscribe(here, type, invoke, callback, options, where));
+                  if (gate) gate->SetTakesLate(invoke == Invoke::kConcurrent || made->stats().queue.lossless());
+                  return made;
                 }});
 }
 

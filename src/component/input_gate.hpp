@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <compare>
 #include <condition_variable>
 #include <cstddef>
@@ -54,6 +55,8 @@ class InputGate {
   [[nodiscard]] const std::string& node() const noexcept { return node_; }
   [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
   [[nodiscard]] bool takes_late() const noexcept { return takes_late_; }
+  // Known only when it is subscribed: the session's configuration may set another queue.
+  void SetTakesLate(bool takes_late) noexcept { takes_late_ = takes_late; }
 
   // When very many wait. kWaits: the others wait in the queue of the subscription, so that the publisher's limits hold
   // here, too; without a queue, the thread that brings one more waits. kDropsOldest: they are not needed, because the
@@ -96,7 +99,7 @@ class InputGate {
 
   const std::string node_;
   const TypeInfo& type_;
-  const bool takes_late_;
+  std::atomic<bool> takes_late_;
   AnyCallback callback_;
   const std::shared_ptr<ComponentGuard> guard_;
 

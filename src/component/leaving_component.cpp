@@ -27,6 +27,8 @@ class LeavingComponent::Core {
   struct Stream {
     StreamPosition last;                  // Handled here, or handed over.
     std::optional<StreamPosition> own{};  // From here on the messages come to the other place by themselves.
+    // A thread that publishes in the process of the other place may not know its subscription yet, although others do.
+    bool own_may_miss = false;
     // Since when all before that was handed over, or never came.
     std::optional<std::chrono::steady_clock::time_point> passed{};
 
@@ -34,10 +36,11 @@ class LeavingComponent::Core {
     void Pass() {
       if (!passed) passed = std::chrono::steady_clock::now();
     }
-    // There is nothing more to hand over.
-    [[nodiscard]] bool ended() const {
-      return passed && (!last.misses_any() || std::chrono::steady_clock::now() - *passed >= kOvertakenPatience);
+    [[nodiscard]] bool settled() const {
+      return passed && std::chrono::steady_clock::now() - *passed >= kOvertakenPatience;
     }
+    // There is nothing more to hand over.
+    [[nodiscard]] bool ended() const { return passed && (settled() || (!last.misses_any() && !own_may_miss)); }
   };
 
   Core(Session& its_session, Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
@@ -145,7 +148,7 @@ std::optional<MovingMessage> LeavingComponent::Next() {
       if (waiting->info.number != 0) {
         Core::Stream& stream = core_->streams[gate->node()][SenderOf(waiting->info.id)];
         const bool own = stream.IsOwn(waiting->info);
-        if (own && stream.passed) continue;
+        if (own && stream.passed && (stream.settled() || !stream.own_may_miss)) continue;
         // Also the first one that comes by itself: it shows that there is nothing more before it, except for those that
         // it has overtaken.
         stream.last.Note(waiting->info);
@@ -162,6 +165,7 @@ void LeavingComponent::Passed(const InputPosition& position) {
   Core::Stream& stream = core_->streams[position.input][SenderOf(position.last)];
   const MessageInfo first = MessageAt(position);
   stream.own.emplace().Note(first);
+  stream.own_may_miss = !first.remote;
   if (stream.last.Ahead(first) <= 1) stream.Pass();
 }
 

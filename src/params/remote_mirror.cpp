@@ -64,18 +64,17 @@ bool RemoteMirror::AwaitAnswer(const ParamsQuestion& question, Deadline until) {
 RemoteMirror::Outcome RemoteMirror::Wait(const ParamsQuestion& question, Deadline deadline) {
   std::unique_lock lock(mutex_);
   const auto waiting = answers_.find(question.number());
-  const auto ended = [this] { return "The wait for the session \"" + name_ + "\" was ended."; };
   if (!changed_.wait_until(lock, deadline, [&] { return ended_ || waiting->second.has_value(); })) {
     return {{}, "The session \"" + name_ + "\" did not answer in time, but it may still do so."};
   }
-  if (!waiting->second) return {{}, ended()};
+  if (!waiting->second) return Ended();
   const ParamsAnswer& answer = *waiting->second;
   if (!answer.refusal().empty()) return {{}, answer.refusal()};
   const auto told = [&] { return life_ == answer.life() && version_ >= answer.version(); };
   if (!changed_.wait_until(lock, deadline, [&] { return ended_ || told(); })) {
     return {{}, "The session \"" + name_ + "\" answered, but its parameters did not arrive in time."};
   }
-  if (!told()) return {{}, ended()};
+  if (!told()) return Ended();
   if (!fault_.empty()) return {{}, fault_};
   return {state_, {}};
 }
@@ -86,6 +85,15 @@ void RemoteMirror::EndWaits() noexcept {
     ended_ = true;
   }
   changed_.notify_all();
+}
+
+bool RemoteMirror::ended() const {
+  const std::scoped_lock lock(mutex_);
+  return ended_;
+}
+
+RemoteMirror::Outcome RemoteMirror::Ended() const {
+  return {{}, "The wait for the session \"" + name_ + "\" was ended."};
 }
 
 void RemoteMirror::Forget(const ParamsQuestion& question) {

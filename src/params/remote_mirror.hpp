@@ -46,12 +46,14 @@ class RemoteMirror {
   void Forget(const ParamsQuestion& question);
   // All waits end, also later ones.
   void EndWaits() noexcept;
+  [[nodiscard]] bool ended() const;
+  [[nodiscard]] Outcome Ended() const;  // Of a wait.
 
  private:
   const std::string name_;
   const std::uint64_t asker_;
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t last_number_ = 0;  // guarded by mutex_, as all below
   std::map<std::uint64_t, std::optional<ParamsAnswer>> answers_;

@@ -14,6 +14,7 @@ namespace hgros {
 namespace {
 
 constexpr std::size_t kWaitingAnswers = 256;
+constexpr auto kLookForEnd = std::chrono::milliseconds(100);  // Of the wait for somebody who offers them.
 constexpr auto kFirstPause = std::chrono::milliseconds(100);  // Before the first repetition of a question.
 
 // True if `path` is `top` or is below it.
@@ -64,7 +65,7 @@ class RemoteParams::Core {
 
   RemoteMirror::Outcome Ask(const std::vector<ParamChange>& changes, IfMissing if_missing = IfMissing::kRefuse) {
     const auto deadline = DeadlineIn(timeout_);
-    if (!session_.WaitForSubscribers(channels_.ask, 1, timeout_)) return {{}, NobodyThere()};
+    if (!AwaitOffer(deadline)) return mirror_->ended() ? mirror_->Ended() : RemoteMirror::Outcome{{}, NobodyThere()};
     ParamsQuestion question = mirror_->NextQuestion();
     param_wire::WriteChanges(changes, question);
     question.set_create(if_missing == IfMissing::kCreate);
@@ -110,6 +111,15 @@ class RemoteParams::Core {
       const auto until = DeadlineIn(pause);
       if (until >= deadline || mirror_->AwaitAnswer(question, until)) return PublishStatus::kOk;
     }
+  }
+  bool AwaitOffer(std::chrono::steady_clock::time_point deadline) const {
+    for (auto now = std::chrono::steady_clock::now(); !mirror_->ended();) {
+      const auto until = std::min(deadline, now + kLookForEnd);
+      if (session_.WaitForSubscribers(channels_.ask, 1, until - now)) return true;
+      now = std::chrono::steady_clock::now();
+      if (now >= deadline || now < until) return false;  // Nobody, or the session ends.
+    }
+    return false;
   }
   std::string NobodyThere() const {
     std::vector<std::string> names;

@@ -207,6 +207,7 @@ void ServiceClient::UpdateServers(Services& services) {
   std::vector<std::pair<Server, std::uint64_t>> again;  // Have ended the service, and serve it again.
   std::chrono::steady_clock::time_point second;
   bool two = false;
+  std::uint64_t end = 0;  // Of those that are gone. A call that goes to one that is back comes later.
   {
     const std::scoped_lock lock(mutex_);
     const auto serves = [&](SessionId id) {
@@ -216,6 +217,7 @@ void ServiceClient::UpdateServers(Services& services) {
       if (!serves(server.id)) gone.push_back(server);
     }
     std::erase_if(servers_, [&](const Server& server) { return !serves(server.id); });
+    if (!gone.empty()) end = ++ends_;
     for (const Ended& ended : std::exchange(ended_, {})) {
       const auto server = std::ranges::find(servers_, ended.server, &Server::id);
       if (server != servers_.end()) again.emplace_back(*server, ended.end);
@@ -229,8 +231,8 @@ void ServiceClient::UpdateServers(Services& services) {
     if (servers_.size() > 1) second = servers_[1].since;
     two = second != std::exchange(second_since_, second) && servers_.size() > 1;
   }
-  for (const Server& server : gone) EndCallsSoon(services, server, std::numeric_limits<std::uint64_t>::max());
-  for (const auto& [server, end] : again) EndCallsSoon(services, server, end);
+  for (const Server& server : gone) EndCallsSoon(services, server, end);
+  for (const auto& [server, its_end] : again) EndCallsSoon(services, server, its_end);
   if (two)
     services.PostAt(second + silence + kTimeToMove, [weak = weak_from_this(), second] {
       if (const auto client = weak.lock()) client->SayIfTwoServe(second);

@@ -127,5 +127,98 @@ TEST_F(SlowLoan, EndsBeforeItsTransportIsLeft) {
   leave.get();
 }
 
+/// A transport whose subscribers the test sets.
+class SetTransport final : public Transport {
+ public:
+  std::unique_ptr<OutboundChannel> Advertise(std::string_view, const TypeInfo&, OutboundSource& its_source) override {
+    source = &its_source;
+    return std::make_unique<SetChannel>(subscribers);
+  }
+  std::unique_ptr<InboundChannel> Subscribe(std::string_view, const TypeInfo&, const Demand&, InboundSink&) override {
+    return nullptr;
+  }
+  [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
+  [[nodiscard]] TransportStats stats() const override { return {}; }
+  void Close(int) noexcept override {}
+
+  void Comes(SessionId subscriber) {
+    subscribers.push_back(subscriber);
+    source->OnSubscribers(subscribers.size());
+  }
+  void Ends(SessionId subscriber) {
+    std::erase(subscribers, subscriber);
+    source->OnUnsubscribed(subscriber);
+    source->OnSubscribers(subscribers.size());
+  }
+  std::vector<SessionId> subscribers;
+  OutboundSource* source = nullptr;
+
+ private:
+  class SetChannel final : public OutboundChannel {
+   public:
+    explicit SetChannel(const std::vector<SessionId>& subscribers) : subscribers_(subscribers) {}
+    [[nodiscard]] std::size_t subscriber_count() const noexcept override { return subscribers_.size(); }
+    [[nodiscard]] std::vector<SessionId> Subscribers() const override { return subscribers_; }
+    PublishStatus Reserve() noexcept override { return PublishStatus::kOk; }
+    bool Commit(const PacketHead&, const Payload&) noexcept override { return true; }
+    void Cancel() noexcept override {}
+    [[nodiscard]] std::optional<Block> Loan(std::size_t) override { return std::nullopt; }
+    [[nodiscard]] OutboundStats stats() const override { return {}; }
+
+   private:
+    const std::vector<SessionId>& subscribers_;
+  };
+};
+
+struct CountingSource final : OutboundSource {
+  std::vector<OutboundMessage> Latched(SessionId) noexcept override { return {}; }
+  void OnRoom() noexcept override {}
+  void OnSubscribers(std::size_t) noexcept override {}
+  void OnUnsubscribed(SessionId) noexcept override { ++ends; }
+  int ends = 0;
+};
+
+class SubscriberEnd : public testing::Test {
+ protected:
+  SubscriberEnd() {
+    joined->Add(first);
+    joined->Add(second);
+  }
+  ~SubscriberEnd() override { joined->Close(); }
+
+  const SessionId session{7};
+  Log log{[](LogLevel, std::string_view) {}};
+  CountingSource source;
+  SetTransport first;
+  SetTransport second;
+  const std::shared_ptr<JoinedOutbound> joined = std::make_shared<JoinedOutbound>(
+      "calls", AnyType(), source, 2, [](SessionId, const auto&) {}, log);
+};
+
+TEST_F(SubscriberEnd, IsToldOnceAndNotForAMoveToAnotherTransport) {
+  first.Comes(session);
+  second.Comes(session);
+  first.Ends(session);
+  EXPECT_EQ(source.ends, 0) << "It has moved.";
+  second.Ends(session);
+  EXPECT_EQ(source.ends, 1);
+  second.Comes(session);
+  second.Ends(session);
+  EXPECT_EQ(source.ends, 2);
+}
+
+TEST_F(SubscriberEnd, IsToldThoughItHasSubscribedAgainOverOneTransportMeanwhile) {
+  first.Comes(session);
+  second.Comes(session);
+  second.Ends(session);
+  second.Comes(session);
+  first.Ends(session);
+  EXPECT_EQ(source.ends, 1);
+  first.Comes(session);
+  second.Ends(session);
+  first.Ends(session);
+  EXPECT_EQ(source.ends, 2);
+}
+
 }  // namespace
 }  // namespace hgros

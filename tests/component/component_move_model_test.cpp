@@ -81,6 +81,7 @@ class Relay {
     context.FromAny<PoseInFrame>("latched", Invoke::kSerial, take, {.queue = Queue::KeepAll(10'000)});
     context.FromAny<PoseInFrame>("concurrent", Invoke::kConcurrent, take, {.queue = Queue::KeepAll(10'000)});
     context.FromAny<PoseInFrame>("shared", Invoke::kSerial, take, {.queue = Queue::KeepAll(10'000)});
+    context.FromAny<PoseInFrame>("configured", Invoke::kSerial, take);
     context.Serve<PoseInFrame, PoseInFrame>("count", [this](const PoseInFrame&) {
       const std::scoped_lock lock(mutex_);
       return Text(std::to_string(count_));
@@ -114,9 +115,13 @@ HGROS_COMPONENT(Relay, "test/Relay")
 
 const ComponentSetup kRelay{.name = "relay", .type = "test/Relay"};
 
+constexpr const char* kPlaceConfig =
+    "discovery: {lan: false}\n"
+    "data_graph: {nodes: {relay/configured: {queue: {keep_all: 10000}}}}\n";
+
 struct RelayPlace {
   explicit RelayPlace(std::string name)
-      : session(Config::Parse("discovery: {lan: false}"), {.name = std::move(name)}), components(session) {}
+      : session(Config::Parse(kPlaceConfig), {.name = std::move(name)}), components(session) {}
   Session session;
   Components components;
 };
@@ -247,8 +252,10 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
   const std::chrono::microseconds pause(2000);
   threads.push_back(Publishing(outside_, "concurrent", "concurrent", {}, pause, seed + 4));
   threads.push_back(Publishing(publishing.session, "concurrent", "concurrent near", {}, pause, seed + 5));
-  for (const char* tag : {"shared one", "shared two"}) {  // Two threads publish at once.
-    threads.push_back(Publishing(publishing.session, "shared", tag, {}, pause, seed + 6));
+  for (const char* tag : {"one", "two"}) {  // Two threads publish at once.
+    for (const std::string channel : {"shared", "configured"}) {
+      threads.push_back(Publishing(publishing.session, channel, channel + " " + tag, {}, pause, seed + 6));
+    }
   }
   threads.emplace_back([this] { CallUntilEnd(); });
   // The first messages of a publisher that begins in the middle of a move may come before it knows the new place.
@@ -273,7 +280,8 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
                                    << " messages. After " << fault.in2 - published.begin() << " comes "
                                    << (fault.in1 == seen.end() ? 0 : *fault.in1);
   }
-  for (const char* unordered : {"concurrent", "concurrent near", "shared one", "shared two"}) {
+  for (const char* unordered :
+       {"concurrent", "concurrent near", "shared one", "shared two", "configured one", "configured two"}) {
     const std::vector<int> published = PublishedOf(unordered);
     (void)Await([&] { return SeenOf(unordered).size() >= published.size(); });
     std::vector<int> seen = SeenOf(unordered);

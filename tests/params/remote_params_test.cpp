@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <future>
 #include <optional>
 #include <thread>
 
@@ -354,6 +355,17 @@ TEST_F(RemoteParamsTest, MakesARepeatedChangeOnlyOnce) {
   (void)ask(question);
   ASSERT_TRUE(Await([&] { return answers >= 2; }));
   EXPECT_EQ(offering.server.Get<int>("x"), 2);
+}
+
+TEST_F(RemoteParamsTest, EndsTheWaitForASessionThatIsNotThere) {
+  RemoteParams nobody(*robot_.session, "nobody", 60s);
+  const auto begin = std::chrono::steady_clock::now();
+  auto waits = std::async(std::launch::async, [&] { return nobody.Snapshot().refusal; });
+  test::Linger(50ms);
+  nobody.EndWaits();
+  EXPECT_THAT(waits.get(), HasSubstr("The wait for the session \"nobody\" was ended."));
+  EXPECT_THAT(nobody.Snapshot().refusal, HasSubstr("was ended."));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 30s);
 }
 
 TEST_F(RemoteParamsTest, ReportsTwoSessionsWithTheSameName) {

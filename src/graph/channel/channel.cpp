@@ -120,6 +120,20 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
   return PublishStatus::kOk;
 }
 
+namespace {
+
+void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message, const MessageInfo& info,
+                        std::size_t bytes) noexcept {
+  std::int64_t now = MonotonicNow();
+  const std::shared_ptr<const void> no_credit;
+  for (const std::shared_ptr<Node>& node : after.nodes) {
+    if (std::find(before.nodes.begin(), before.nodes.end(), node) != before.nodes.end()) continue;
+    node->Deliver({message, info, no_credit, bytes, false}, false, now);
+  }
+}
+
+}  // namespace
+
 void Channel::HandOver(Publication& publication, std::int64_t now) noexcept {
   auto& [message, type, info, fanout, after, outlet, bytes, reserved, local, prepared] = publication;
   if (local) {
@@ -178,24 +192,19 @@ void Channel::Deliver(const Fanout& fanout, AnyMessage& message, const MessageIn
   }
 }
 
-void Channel::DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message,
-                                 const MessageInfo& info, std::size_t bytes) noexcept {
-  std::int64_t now = MonotonicNow();
-  const std::shared_ptr<const void> no_credit;
-  for (const std::shared_ptr<Node>& node : after.nodes) {
-    if (std::find(before.nodes.begin(), before.nodes.end(), node) != before.nodes.end()) continue;
-    node->Deliver({message, info, no_credit, bytes, false}, false, now);
-  }
-}
-
 const Fanout* Channel::Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, std::size_t bytes,
                              UserCode user_code) {
   LatchedMessages::Stored stored;  // Destroyed after the lock: a message's destructor is user code.
   const Fanout* fanout = nullptr;
   {
-    const std::scoped_lock lock(latch_mutex_);
+    std::unique_lock lock(latch_mutex_);
     fanout = fanout_.load(std::memory_order_seq_cst);
     if (user_code == UserCode::kRefused && fanout->has_inline) return nullptr;
+    if (info.remote && (returns_ || latched_messages_.AreMissed(info.id.publisher))) [[unlikely]] {
+      lock.unlock();
+      PublisherIsBack(info.id.publisher, info.id.incarnation);
+      return Store(message, info, depth, bytes, user_code);
+    }
     if (!info.remote) {  // So that numbers and times have the same order.
       numbers_.Number(info);
       info.publish_monotonic_ns = MonotonicNow();
@@ -215,19 +224,17 @@ void Channel::PublisherIsGone(std::uint64_t publisher) {
   dropped = latched_messages_.MarkGone(publisher);
 }
 
-void Channel::PublisherIsBack(std::uint64_t publisher) {
+void Channel::PublisherIsBack(std::uint64_t publisher, std::optional<std::uint64_t> incarnation) {
+  const std::scoped_lock turn(returns_mutex_);
   LatchedMessages::Return back;
   {
     const std::scoped_lock lock(latch_mutex_);
-    back = latched_messages_.MarkBack(publisher);
+    back = latched_messages_.MarkBack(publisher, incarnation);
+    returns_ = !back.messages.empty();
   }
-  std::int64_t now = MonotonicNow();
-  for (const std::shared_ptr<Node>& node : back.nodes) {
-    for (QueuedMessage& one : back.messages) {
-      const std::size_t bytes = TypeOfMessage(one.message).memory_bytes(one.message.get());
-      node->Deliver({one.message, one.info, one.credit, bytes, false}, false, now);
-    }
-  }
+  back.Deliver();
+  const std::scoped_lock lock(latch_mutex_);
+  returns_ = false;
 }
 
 bool Channel::Inject(AnyMessage message, const TypeInfo& type, const MessageInfo& from,

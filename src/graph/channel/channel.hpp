@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,7 +62,8 @@ class Channel {
   void Latch(std::size_t count);
   // While a remote publisher is gone, new nodes get none of its latched messages; they get them when it is back.
   void PublisherIsGone(std::uint64_t publisher);
-  void PublisherIsBack(std::uint64_t publisher);
+  // `incarnation`: of its next message, if that has come first and waits for this.
+  void PublisherIsBack(std::uint64_t publisher, std::optional<std::uint64_t> incarnation = std::nullopt);
   void SetClosed(bool closed) noexcept { closed_.store(closed, std::memory_order_relaxed); }
   void NotifyRoom() noexcept { room_.Notify(); }
 
@@ -106,8 +108,6 @@ class Channel {
   // code is refused.
   const Fanout* Store(const AnyMessage& message, MessageInfo& info, std::size_t depth, std::size_t bytes,
                       UserCode user_code);
-  void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& message, const MessageInfo& info,
-                          std::size_t bytes) noexcept;
   // Reserves room in all lossless nodes, or in none of them.
   [[nodiscard]] bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
   void CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
@@ -136,8 +136,11 @@ class Channel {
   std::shared_ptr<Outlet> current_outlet_;
   std::atomic<std::size_t> next_node_number_{0};
 
+  // Held while nodes get what a publisher that is back has latched, so that they get its next message later.
+  std::recursive_mutex returns_mutex_;
   std::mutex latch_mutex_;
   LatchedMessages latched_messages_;
+  bool returns_ = false;  // Nodes get them now; guarded by latch_mutex_.
   RawForms raw_forms_;
 
   RoomSignal room_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "graph/nodes/node.hpp"
+#include "hgros/clock/time.hpp"
 
 namespace hgros {
 
@@ -35,8 +36,7 @@ LatchedMessages::Stored LatchedMessages::Store(const AnyMessage& message, const 
                                                std::size_t bytes) {
   Stored stored;
   Entry& entry = entries_[info.id.publisher];
-  entry.absent_since = 0;  // A publisher that sends is present; nodes that missed older messages get this one.
-  entry.missed.clear();
+  entry.absent_since = 0;  // A publisher that sends is present.
   Messages& kept = entry.messages;
   // A restarted publisher has sent its latched messages again.
   if (!kept.empty() && kept.back().info.id.incarnation != info.id.incarnation) {
@@ -100,7 +100,12 @@ LatchedMessages::Messages LatchedMessages::MarkGone(std::uint64_t publisher) {
   return dropped;
 }
 
-LatchedMessages::Return LatchedMessages::MarkBack(std::uint64_t publisher) {
+bool LatchedMessages::AreMissed(std::uint64_t publisher) const {
+  const auto found = entries_.find(publisher);
+  return found != entries_.end() && !found->second.missed.empty();
+}
+
+LatchedMessages::Return LatchedMessages::MarkBack(std::uint64_t publisher, std::optional<std::uint64_t> incarnation) {
   Return back;
   const auto found = entries_.find(publisher);
   if (found == entries_.end()) return back;
@@ -109,8 +114,19 @@ LatchedMessages::Return LatchedMessages::MarkBack(std::uint64_t publisher) {
   for (const std::weak_ptr<Node>& missed : std::exchange(entry.missed, {})) {
     if (std::shared_ptr<Node> node = missed.lock()) back.nodes.push_back(std::move(node));
   }
-  if (!back.nodes.empty()) back.messages.assign(entry.messages.begin(), entry.messages.end());
+  const bool current =
+      !incarnation || (!entry.messages.empty() && entry.messages.back().info.id.incarnation == *incarnation);
+  if (current && !back.nodes.empty()) back.messages.assign(entry.messages.begin(), entry.messages.end());
   return back;
+}
+
+void LatchedMessages::Return::Deliver() {
+  std::int64_t now = MonotonicNow();
+  for (const std::shared_ptr<Node>& node : nodes) {
+    for (QueuedMessage& one : messages) {
+      node->Deliver({one.message, one.info, one.credit, one.bytes, false}, false, now);
+    }
+  }
 }
 
 void LatchedMessages::SayBeyondLimit(Log& log, const std::string& channel) {

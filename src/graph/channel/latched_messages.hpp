@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,12 +46,18 @@ class LatchedMessages {
 
   // Marks a publisher as gone. Returns removed messages, because only a few lost publishers are kept.
   [[nodiscard]] Messages MarkGone(std::uint64_t publisher);
-  // Marks a publisher as back: its messages, and the nodes added meanwhile that have not seen them.
+  // Marks a publisher as back: its messages, and the nodes added meanwhile that have not seen them. `incarnation`: only
+  // messages of this one, if it is known.
   struct Return {
     std::vector<QueuedMessage> messages;
     std::vector<std::shared_ptr<Node>> nodes;
+
+    // Not to be called under the channel's lock, because callbacks may run.
+    void Deliver();
   };
-  [[nodiscard]] Return MarkBack(std::uint64_t publisher);
+  [[nodiscard]] Return MarkBack(std::uint64_t publisher, std::optional<std::uint64_t> incarnation = std::nullopt);
+  // Nodes have not seen messages of this publisher.
+  [[nodiscard]] bool AreMissed(std::uint64_t publisher) const;
 
  private:
   static constexpr std::size_t kMostAbsent = 4;

@@ -82,6 +82,49 @@ TEST_P(LatchOnEveryExecutor, NewNodesGetLatchedMessagesOfALostPublisherOnceWhenI
   EXPECT_EQ(got.values(), Counting(1, 4));
 }
 
+// The session hears of the return on another thread than that of the messages.
+TEST_P(LatchOnEveryExecutor, NewNodesGetLatchedMessagesOfALostPublisherBeforeItsNextOne) {
+  for (int round = 0; round < 200; ++round) {
+    DataGraph graph;
+    Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
+    const auto inject = [&](int value) {
+      MessageInfo info;
+      info.id = {7, 1, static_cast<std::uint64_t>(value) + 1};
+      DataGraph::Inject(channel, std::make_shared<const int>(value), TypeOf<int>(), info, nullptr, 3);
+    };
+    for (int i = 0; i < 3; ++i) inject(i);
+    graph.PublisherIsGone(7);
+    Collected got;
+    const auto subscription = graph.FromGraph<int>(
+        "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor()));
+    std::thread returns([&] { graph.PublisherIsBack(7); });
+    inject(3);
+    inject(4);
+    returns.join();
+    ASSERT_TRUE(Await([&] { return got.size() == 5; }));
+    EXPECT_EQ(got.values(), Counting(0, 5));
+  }
+}
+
+TEST(Latch, KeepsNothingOfALostPublisherThatHasRestarted) {
+  DataGraph graph;
+  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
+  const auto inject = [&](int value, std::uint64_t incarnation) {
+    MessageInfo info;
+    info.id = {7, incarnation, static_cast<std::uint64_t>(value) + 1};
+    DataGraph::Inject(channel, std::make_shared<const int>(value), TypeOf<int>(), info, nullptr, 3);
+  };
+  inject(0, 1);
+  inject(1, 1);
+  graph.PublisherIsGone(7);
+  Collected got;
+  const auto subscription = graph.FromGraph<int>(
+      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline()));
+  inject(2, 2);
+  graph.PublisherIsBack(7);
+  EXPECT_EQ(got.values(), Counting(2, 3));
+}
+
 TEST(Latch, RemembersOnlyAFewLostPublishers) {
   DataGraph graph;
   Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
