@@ -100,7 +100,8 @@ class Does {
     if (what_ == "exit well") _exit(0);
     if (what_ == "fail") context_.Fail("the laser is broken");
     if (what_ == "finish") context_.Finish("enough");
-    if (what_ == "finish once") FinishOnce();
+    if (what_ == "finish once" && IsFirst()) context_.Finish("enough");
+    if (what_ == "fail, then finish") IsFirst() ? context_.Fail("the laser is cold") : context_.Finish("enough");
     if (what_ == "throw late") {
       context_.log().Write(hgros::LogLevel::kInfo, "I wait.");
       Wait(std::chrono::milliseconds(700));
@@ -116,13 +117,12 @@ class Does {
     if (what_ == "print") std::printf("printed, and\nin two lines\n");
   }
 
-  // Not in the process that follows.
-  void FinishOnce() {
-    const std::filesystem::path before = std::filesystem::path(std::getenv("FOLDER")) / "has_finished";
+  // False in the process that follows.
+  bool IsFirst() {
+    const std::filesystem::path before = std::filesystem::path(std::getenv("FOLDER")) / "has_ended";
     done_ = !std::filesystem::exists(before);
-    if (!done_) return;
-    std::ofstream(before).flush();
-    context_.Finish("enough");
+    if (done_) std::ofstream(before).flush();
+    return done_;
   }
   void Wait(std::chrono::milliseconds time) {
     std::unique_lock lock(mutex_);

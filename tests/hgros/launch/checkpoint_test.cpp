@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <future>
 #include <string>
+#include <vector>
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
@@ -121,6 +123,36 @@ TEST(HgrosCheckpoint, ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAg
   EXPECT_EQ(end.status, 0) << end.err << robot.out();
   EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("a +relay/Does[^\n]*running"));
   EXPECT_THAT(robot.out(), Not(HasSubstr("has failed")));
+}
+
+TEST(HgrosCheckpoint, ComponentsOfAProcessAreConstructedAgainAtOnce) {
+  RunningRobot robot(
+      "components: {a: {type: relay/Counter}, b: {type: relay/Counter}, c: {type: relay/Does}}\n"
+      "processes: {p: {components: [a, b, c]}}\n");
+  ASSERT_TRUE(robot.Prints("c  I run."));
+  for (int round = 0; round < 5; ++round) {
+    std::vector<std::future<CommandEnd>> restarts;
+    for (const std::string name : {"a", "b", "c", "a"}) {
+      restarts.push_back(std::async(std::launch::async, [&robot, name] { return robot.Ask({"restart", name}); }));
+    }
+    for (std::future<CommandEnd>& one : restarts) {
+      const CommandEnd end = one.get();
+      EXPECT_EQ(end.status, 0) << end.err;
+    }
+  }
+  EXPECT_THAT(robot.Ask({"ps"}).out, Not(HasSubstr("ended")));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("is killed")));
+}
+
+TEST(HgrosCheckpoint, AFailureIsForgottenAtARestart) {
+  RunningRobot robot(
+      "components: {a: {type: relay/Does, params: {what: \"fail, then finish\"}}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [a]}}\n");
+  ASSERT_TRUE(robot.Prints("It has failed: the laser is cold"));
+  (void)robot.Ask({"restart", "p"});
+  ASSERT_TRUE(robot.Prints("It has finished: enough"));
+  EXPECT_TRUE(test::Await([&] { return robot.Ask({"ps"}).out.find("finished") != std::string::npos; }));
+  EXPECT_THAT(robot.Ask({"ps"}).out, Not(HasSubstr("failed")));
 }
 
 TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsStartsItsProcessAgain) {
