@@ -47,11 +47,10 @@ Reader* TakeReader() noexcept {
 thread_local Reader* reader_here = nullptr;
 thread_local bool thread_ends = false;
 
-// Gives the reader back. Who comes later on this thread gets one that is not given back.
 struct Registration {
   ~Registration() {
     thread_ends = true;
-    std::exchange(reader_here, nullptr)->taken.store(false, std::memory_order_release);
+    if (reader_here != nullptr) GiveBack(*reader_here);
   }
 };
 
@@ -69,9 +68,15 @@ std::uint64_t OldestActive() noexcept {
 Reader& ThisThread() noexcept {
   if (reader_here == nullptr) [[unlikely]] {
     reader_here = TakeReader();
+    reader_here->late = thread_ends;
     if (!thread_ends) thread_local const Registration registration;
   }
   return *reader_here;
+}
+
+void GiveBack(Reader& reader) noexcept {
+  reader_here = nullptr;
+  reader.taken.store(false, std::memory_order_release);
 }
 
 std::uint64_t Current() noexcept {

@@ -21,9 +21,11 @@ struct alignas(64) Reader {
   std::atomic<bool> taken{false};
   Reader* next = nullptr;
   int depth = 0;
+  bool late = false;  // Of a thread whose thread-local objects end: it gives the reader back after each use.
 };
 
 Reader& ThisThread() noexcept;
+void GiveBack(Reader& reader) noexcept;
 std::uint64_t Current() noexcept;
 
 // Marks this thread as reading. Nests.
@@ -35,7 +37,10 @@ class Guard {
   Guard(const Guard&) = delete;
   Guard& operator=(const Guard&) = delete;
   ~Guard() {
-    if (--reader_.depth == 0) reader_.active.store(0, std::memory_order_release);
+    if (--reader_.depth != 0) return;
+    reader_.active.store(0, std::memory_order_release);
+    if (reader_.late) [[unlikely]]
+      GiveBack(reader_);
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -40,8 +41,12 @@ TEST(Epoch, AThreadThatEndsSharesItsReaderWithNoOther) {
   struct Late {
     ~Late() {
       Await([this] { return others->load(); });
-      reader->store(&epoch::ThisThread());
-      Await([this] { return !others->load(); });
+      {
+        const epoch::Guard guard;
+        reader->store(&epoch::ThisThread());
+        Await([this] { return !others->load(); });
+      }
+      const epoch::Guard again;  // It has given the first one back.
     }
     std::atomic<const epoch::Reader*>* reader = nullptr;
     std::atomic<bool>* others = nullptr;
@@ -62,6 +67,25 @@ TEST(Epoch, AThreadThatEndsSharesItsReaderWithNoOther) {
     EXPECT_NE(readers.back(), late.load());
   }
   others = false;
+}
+
+TEST(Epoch, ManyThreadsThatReadWhileTheyEndNeedFewReaders) {
+  struct Late {
+    ~Late() {
+      const epoch::Guard guard;
+      used->insert(&epoch::ThisThread());
+    }
+    std::set<const epoch::Reader*>* used = nullptr;
+  };
+  std::set<const epoch::Reader*> used;
+  for (int i = 0; i < 50; ++i) {
+    std::jthread([&] {
+      thread_local Late last;
+      last.used = &used;
+      const epoch::Guard guard;
+    }).join();
+  }
+  EXPECT_LE(used.size(), 2U);
 }
 
 TEST(Epoch, ReadersNeverSeeAFreedObject) {
