@@ -58,11 +58,14 @@ void HostPairs::Found(const Announcement& peer, TransportRules rules) {
 void HostPairs::Changed(const Announcement& peer) {
   if (means_.peers.IsPartner(peer.session)) return;
   Remember(peer);
-  const bool exchange = std::ranges::any_of(peer.channels, [&](const ChannelAnnouncement& theirs) {
+  if (Exchanges(peer)) Connect(peer);
+}
+
+bool HostPairs::Exchanges(const Announcement& peer) const {
+  return std::ranges::any_of(peer.channels, [&](const ChannelAnnouncement& theirs) {
     const auto ours = means_.announcer.OwnChannel(theirs.channel);
     return ours && Exchange(*ours, UseOf(peer.session, theirs));
   });
-  if (exchange) Connect(peer);
 }
 
 void HostPairs::OwnChanged(const std::string& channel) {
@@ -127,6 +130,8 @@ void HostPairs::ReportIfUnreached(SessionId peer, const PeerTransports::GivenUp&
   if (found.empty() || !means_.peers.IsPartner(peer)) return;
   if (!means_.peers.ReachedBy(peer).In(means_.transports.on_host()).empty()) return;
   const Announcement& there = found.front();
+  // What they exchanged may have ended before the other one, which connects, knew of it.
+  if (!Exchanges(there)) return;
   // A session that has just ended is still found for a moment, and a busy machine needs time. So causes that may pass
   // are reported only if they last.
   std::string cause = ObstacleOf(there);

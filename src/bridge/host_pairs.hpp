@@ -58,6 +58,8 @@ class HostPairs {
   using Use = StrangerChannels::Use;
   [[nodiscard]] Use UseOf(SessionId session, const ChannelAnnouncement& channel) const;
   [[nodiscard]] bool Exchange(const ChannelAnnouncement& ours, const Use& theirs) const;
+  // Now, as far as the announcements tell.
+  [[nodiscard]] bool Exchanges(const Announcement& peer) const;
   void Remember(const Announcement& stranger);
   void Connect(const Announcement& peer);
   void GiveUp(SessionId peer);

@@ -17,6 +17,8 @@ namespace hgros {
 namespace {
 
 constexpr auto kTimeToDeclare = std::chrono::seconds(5);
+constexpr std::size_t kManyEvents = 64;  // That wait for listeners.
+constexpr auto kListenerPatience = std::chrono::seconds(1);
 
 // A step that removes a parameter has no value.
 void RequireThere(const ParamNodePtr& root, const ParamPath& path, bool removes) {
@@ -190,16 +192,29 @@ ParamResult ParamServer::Core::Commit(const std::vector<Step>& steps, IfMissing 
 
 void ParamServer::Core::TellListeners() {
   std::unique_lock lock(mutex_);
-  if (telling_) return;
-  telling_ = true;
-  while (!events_.empty()) {
+  const auto here = std::this_thread::get_id();
+  const std::uint64_t own = told_ + events_.size();
+  if (teller_ == here) return;
+  if (teller_ != std::thread::id()) {
+    // Not for ever: the listener that runs may wait for this thread.
+    ++waiting_;
+    room_.wait_for(lock, kListenerPatience,
+                   [this] { return teller_ == std::thread::id() || events_.size() < kManyEvents; });
+    --waiting_;
+    if (teller_ != std::thread::id()) return;
+  }
+  teller_ = here;
+  while (!events_.empty() && (told_ < own || waiting_ == 0)) {
     const ParamEvent event = std::move(events_.front());
     events_.pop_front();
     lock.unlock();
     listeners_.Tell(event);
     lock.lock();
+    ++told_;
+    if (events_.size() < kManyEvents && waiting_ > 0) room_.notify_all();
   }
-  telling_ = false;
+  teller_ = std::thread::id();
+  room_.notify_all();
 }
 
 Listening ParamServer::Core::AddValidator(ParamPath path, ParamValidator validator) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -26,7 +27,8 @@ inline constexpr std::string_view kEnvironmentPrefix = "HGROS_PARAM_";
 // Invariants: root_ and declared_ fit together: every declared parameter exists and is valid. A change is computed and
 //   validated without a lock, on its own tree. It takes effect only if nothing else changed meanwhile (version_).
 //   An override that nobody declares is reported once, some seconds after the start or at the end.
-//   events_ holds events that listeners have not received yet; one thread at a time delivers them.
+//   events_ holds events that listeners have not received yet; one thread at a time delivers them, and hands over
+//   when its own change was told and others wait.
 class ParamServer::Core {
  public:
   Core(ParamSources sources, LogSink log);
@@ -68,6 +70,7 @@ class ParamServer::Core {
   void RequireFree(const ParamPath& path) const;
   // The reason of the first validator that refuses; empty if none does.
   [[nodiscard]] std::string Ask(const ParamEvent& event) const;
+  // Waits while very many events wait, unless a listener calls this.
   void TellListeners();
   void SayUndeclared();
 
@@ -85,7 +88,10 @@ class ParamServer::Core {
   DeclaredParams declared_;
   std::uint64_t version_ = 0;  // of root_ and declared_
   std::deque<ParamEvent> events_;
-  bool telling_ = false;
+  std::uint64_t told_ = 0;  // Events.
+  std::thread::id teller_;  // Of the thread that tells them.
+  std::size_t waiting_ = 0;
+  std::condition_variable room_;
   std::jthread waits_;  // Waits for declarations, if there are unknown overrides.
 };
 

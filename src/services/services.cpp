@@ -18,6 +18,7 @@ namespace {
 using Kind = CallFailure::Kind;
 
 constexpr std::chrono::seconds kLateAnnouncements{10};
+constexpr std::chrono::milliseconds kTwiceFor{500};  // A server that goes elsewhere may be announced in both places.
 constexpr std::string_view kRequests = "hgros/call/";
 constexpr std::string_view kReplies = "hgros/reply/";
 
@@ -170,7 +171,7 @@ void Services::Forget(const ServiceHost& host) {
   const std::scoped_lock lock(mutex_);
   const auto found = hosts_.find(host.setting().name);
   if (found != hosts_.end() && found->second.get() == &host) hosts_.erase(found);
-  said_twice_.erase(host.setting().name);
+  second_servers_.erase(host.setting().name);
 }
 
 std::shared_ptr<ServiceClient> Services::ClientOf(std::string_view name, const Request& request) {
@@ -334,13 +335,24 @@ void Services::LookForSecondServers() {
       std::erase_if(taken_from_, [](const auto& one) { return one.second < std::chrono::steady_clock::now(); });
       std::erase_if(search.announced, [this](const PeerInfo& one) { return taken_from_.contains(one.id); });
     }
-    if (search.announced.empty()) continue;
-    const PeerInfo& other = search.announced.front();
-    {
-      const std::scoped_lock lock(mutex_);
-      auto& said = said_twice_[name];
-      if (std::exchange(said, other.id.value) == other.id.value) continue;
+    const auto now = std::chrono::steady_clock::now();
+    std::unique_lock lock(mutex_);
+    if (search.announced.empty()) {
+      second_servers_.erase(name);
+      continue;
     }
+    const PeerInfo& other = search.announced.front();
+    SecondServer& second = second_servers_[name];
+    if (second.session != other.id) {
+      second = {other.id, now};
+      lock.unlock();
+      PostAt(now + kTwiceFor, [weak = weak_from_this()] {
+        if (const auto self = weak.lock()) self->LookForSecondServers();
+      });
+      continue;
+    }
+    if (now < second.since + kTwiceFor || std::exchange(second.said, true)) continue;
+    lock.unlock();
     std::string sentence = "Service \"" + name + "\" is served here and by session " + other.name() +
                            ". Each caller uses the one that it found first. Give one of them another name.";
     log_->WriteLimited(LogLevel::kWarning, "served twice " + name, sentence);

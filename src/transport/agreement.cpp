@@ -165,6 +165,11 @@ void LogTooManyChannels(Log& log, const PeerInfo& peer, const std::string& chann
 }
 
 void RequireTypeName(const TypeInfo& type) {
+  if (!IsReadable(type.name)) {
+    throw Error("The type's name cannot be used: it has control characters, or is not UTF-8: " +
+                    Readable(type.name, kMaxTextBytes) + ".",
+                {}, "Use visible UTF-8 text.");
+  }
   if (type.name.size() <= kMaxTypeNameBytes) return;
   throw Error("The type's name has " + std::to_string(type.name.size()) + " bytes, more than " +
                   std::to_string(kMaxTypeNameBytes) + ": " + type.name.substr(0, 100) + "...",

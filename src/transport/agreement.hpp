@@ -12,6 +12,7 @@
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/codec/type_info.hpp"
 #include "hgros/control.pb.h"
+#include "hgros/internal/codec/channel_use.hpp"
 #include "hgros/transport/transport.hpp"
 
 namespace hgros {
@@ -22,8 +23,6 @@ namespace hgros {
 /// Channels that one session can receive from another over one transport. It also limits the memory that a peer can
 /// take.
 inline constexpr std::size_t kMaxChannels = 16384;
-/// The longest type name that can be asked for.
-inline constexpr std::size_t kMaxTypeNameBytes = 1024;
 /// Sessions of this minor version and later get Offers when channels come and go.
 inline constexpr std::uint32_t kOffersSinceMinor = 1;
 /// The longest displayed text in a control message. A longer one is cut.
@@ -78,7 +77,7 @@ enum class TypeFit {
 /// `peer`.
 void LogTooManyChannels(Log& log, const PeerInfo& peer, const std::string& channel, std::string_view transport);
 
-/// Throws Error if the type's name is longer than kMaxTypeNameBytes.
+/// Throws Error if the type's name is longer than kMaxTypeNameBytes, or no readable text.
 void RequireTypeName(const TypeInfo& type);
 
 }  // namespace hgros

@@ -1,11 +1,14 @@
 #include "hgros/params/param_server.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <map>
 #include <random>
 #include <thread>
 
 #include "params/params_fixture.hpp"
+#include "support/await.hpp"
 
 namespace hgros {
 namespace {
@@ -314,6 +317,50 @@ TEST_F(ParamServerTest, ConcurrentChangesAreAtomicAndReportedInOrder) {
     }
     EXPECT_EQ(heard, threads * 200);
   }
+}
+
+TEST_F(ParamServerTest, WhoChangesFasterThanListenersReturnIsHeldUpButNotForEver) {
+  ParamServer params;
+  params.Declare("a", 0);
+  std::atomic<int> changed{0};
+  std::atomic<int> heard{0};
+  std::atomic<int> most_behind{0};
+  std::atomic<bool> ends{false};
+  const Listening listening = params.OnChange("a", [&](const ParamEvent&) {
+    test::Linger(std::chrono::milliseconds(1));
+    most_behind = std::max(most_behind.load(), changed - ++heard);
+  });
+  std::array<std::atomic<int>, 3> changes_of{};
+  {
+    std::vector<std::jthread> workers;
+    for (std::atomic<int>& own : changes_of) {
+      workers.emplace_back([&] {
+        while (!ends) {
+          ++changed;
+          ASSERT_TRUE(params.Set("a", changed.load() * 3 + static_cast<int>(&own - changes_of.data())).ok());
+          ++own;
+          test::Linger(std::chrono::microseconds(300));
+        }
+      });
+    }
+    for (const std::atomic<int>& own : changes_of) EXPECT_TRUE(test::Await([&] { return own > 5; }));
+    EXPECT_TRUE(test::Await([&] { return heard > 500; }));
+    ends = true;
+  }
+  EXPECT_LT(most_behind, 200);
+}
+
+TEST_F(ParamServerTest, AListenerMayWaitForAnotherThreadThatChangesParameters) {
+  ParamServer params;
+  params.Declare("a", 0);
+  params.Declare("b", 0);
+  const Listening listening = params.OnChange("a", [&](const ParamEvent&) {
+    std::jthread([&] {
+      for (int i = 1; i <= 66; ++i) EXPECT_TRUE(params.Set("b", i).ok());
+    }).join();
+  });
+  EXPECT_TRUE(params.Set("a", 1).ok());
+  EXPECT_EQ(params.Get<int>("b"), 66);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 import asyncio
+import contextlib
 import logging
 import threading
 import time
@@ -366,6 +367,32 @@ class Subscribing(RobotTest):
             robot.start()
             robot.stop()
             self.assertFalse(robot._thread.is_alive())
+
+    def test_start_is_refused_while_another_thread_spins(self):
+        robot = self.session()
+        thread = threading.Thread(target=lambda: robot.spin_once(1000), daemon=True)
+        thread.start()
+        wait_until(robot._spins.locked)
+        with self.assertRaisesRegex(hgros.Error, "spins already"):
+            robot.start()
+        robot.stop()
+        thread.join(DEADLINE_S)
+        robot.start()
+        self.assertTrue(robot._thread.is_alive())
+
+    def test_close_beside_start_does_not_fail(self):
+        for _ in range(100):
+            robot = self.session()
+            thread = threading.Thread(target=self._start, args=(robot,))
+            thread.start()
+            robot.close()
+            thread.join(DEADLINE_S)
+            self.assertTrue(robot.closed)
+
+    @staticmethod
+    def _start(robot):
+        with contextlib.suppress(hgros.Error):
+            robot.start()
 
     def test_wake_up_that_comes_just_before_the_wait_ends_it(self):
         robot = self.session()

@@ -4,14 +4,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <memory>
+#include <mutex>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "hgros/base/ids.hpp"
+#include "hgros/session/session.hpp"
 #include "resilience/worker_process.hpp"
 
 namespace hgros::resilience {
@@ -130,6 +133,36 @@ TEST_F(Crowd, ReportNamesAStoppedProcess) {
       << *follower;
   stopped->Continue();
   EXPECT_TRUE(follower->Reaches({{"received", 3}})) << *follower;
+}
+
+// The session with the larger id waits for the other one, which connects.
+TEST_F(Crowd, AnExchangeThatEndsBeforeTheOtherSideSeesItIsNoFault) {
+  const auto publisher = Start({"--sessions=1", "--publishers=1"});
+  ASSERT_TRUE(publisher->Reaches({{"known", 1}})) << *publisher;
+  std::mutex mutex;
+  std::string said;
+  const auto log = [&](LogLevel, std::string_view line) {
+    const std::scoped_lock lock(mutex);
+    said += std::string(line) + "\n";
+  };
+  std::vector<std::unique_ptr<Session>> sessions;
+  for (int i = 0; i < 4; ++i) sessions.push_back(std::make_unique<Session>(Config(), SessionOptions{"brief", log}));
+  for (const auto& one : sessions) {
+    ASSERT_TRUE(Await([&] {
+      const auto channels = one->Channels();
+      return std::ranges::any_of(channels,
+                                 [](const KnownChannel& of) { return of.name == "tf" && !of.publishers.empty(); });
+    }));
+  }
+  publisher->Stop();
+  for (const auto& one : sessions) {
+    const Subscription brief = one->FromAnyRaw("tf", Invoke::kSerial, [](const RawMessage&) {});
+    test::Linger(std::chrono::milliseconds(200));
+  }
+  publisher->Continue();
+  test::Linger(std::chrono::seconds(12));  // Sessions of one host are given up after 10 s.
+  const std::scoped_lock lock(mutex);
+  EXPECT_EQ(said.find("does not reach it"), std::string::npos) << said;
 }
 
 TEST_F(Crowd, ReportNamesAnotherNetworkNamespace) {

@@ -314,6 +314,22 @@ TEST_F(Services, ReportTwoServersAndCallTheFirst) {
   }));
 }
 
+// As in moves, one right after the other.
+TEST_F(Services, AreNotServedTwiceIfAServerFollowsAnother) {
+  Robot first("", "first");
+  Robot second("", "second");
+  for (int round = 0; round < 20; ++round) {
+    Service one = first->Serve<Sum, Total>("add", Add);
+    const Service two = second->Serve<Sum, Total>("add", Add);
+    test::Linger(10ms);
+    one.Reset();
+    test::Linger(10ms);
+  }
+  test::Linger(700ms);
+  EXPECT_FALSE(first.Said("is served here and by"));
+  EXPECT_FALSE(second.Said("is served here and by"));
+}
+
 TEST_F(Services, PassAnEndpointThatListsTheirRequestChannel) {
   const test::Bus bus;
   const std::string list = "hgros/call/add";

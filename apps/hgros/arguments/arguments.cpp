@@ -183,6 +183,13 @@ void Arguments::Positional(Argument argument, std::vector<std::string>& variable
   });
 }
 
+namespace {
+
+// Nothing that has a name or a file has an empty one.
+bool MayBeEmpty(ValueKind kind) { return kind == ValueKind::kText || kind == ValueKind::kParam; }
+
+}  // namespace
+
 void Arguments::Parse(std::span<const std::string> words) const {
   RequireKnownOptions(words, all_);
   CLI::App app;
@@ -191,6 +198,10 @@ void Arguments::Parse(std::span<const std::string> words) const {
     const Argument& argument = all_[i];
     const Setter& setter = setters_[i];
     const auto set = [&setter, &argument](const std::vector<std::string>& given) {
+      if (!MayBeEmpty(argument.kind) && std::ranges::find(given, "") != given.end()) {
+        throw UsageError(argument.names + " is empty." +
+                         (argument.required ? " Give it a value." : " Leave it out, or give it a value."));
+      }
       const std::string fault = setter(given);
       if (!fault.empty()) throw UsageError(argument.names + ": " + fault);
     };

@@ -20,6 +20,7 @@ class UsageError : public std::runtime_error {
 /// What a value names, so that shells can complete it. kParamSession: a session that offers parameters.
 enum class ValueKind {
   kText,
+  kName,  ///< Of something that cannot be looked up.
   kChannel,
   kSession,
   kParamSession,

@@ -56,6 +56,7 @@ class Starter {
   [[nodiscard]] std::string UnitOf(const std::string& name) const;
   /// Whether all have been started. Until then nothing is started again.
   [[nodiscard]] bool released() const noexcept { return released_; }
+  [[nodiscard]] bool ending() const noexcept { return ending_; }
   /// Ends a process or program and starts it again. Returns how often it was started again before.
   std::uint64_t Restart(const std::string& unit);
   /// The same for a component alone. Returns how often it has begun to run; empty: its process does not run.
@@ -67,7 +68,6 @@ class Starter {
 
  private:
   using Clock = std::chrono::steady_clock;
-
   using Unit = StartedUnit;
   using Stage = UnitStage;
 

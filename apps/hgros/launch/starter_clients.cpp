@@ -117,6 +117,7 @@ void StarterClients::AnswerMove(Client& client) {
 }
 
 void StarterClients::AnswerRestart(Client& client) {
+  if (starter_.ending()) return;  // TellEnd() answers.
   for (const RobotReply::Unit& unit : starter_.statuses()) {
     if (unit.name() != client.restarts) continue;
     std::string name = unit.name();

@@ -38,7 +38,13 @@ constexpr int kNotStarted = 127;  // As shells say it.
 }
 
 // Says on standard error, which the starter reads, what could not be set. The unit runs without it.
-void SayUnset(const char* what) { (void)fprintf(stderr, "%s could not be set: %s\n", what, strerror(errno)); }
+void SayUnset(const RobotUnit& unit, const char* what, const std::string& mend) {
+  const std::string why = strerror(errno);
+  (void)fprintf(stderr, "%s: `%s` of \"%s\" could not be set: %s. %s\n", unit.at.ToString().c_str(), what,
+                unit.name.c_str(), why.c_str(), mend.c_str());
+}
+
+constexpr const char* kNeedsRight = "That needs root, CAP_SYS_NICE, or a higher limit (ulimit).";
 
 void SetUp(const RobotUnit& unit) {
   (void)prctl(PR_SET_NAME, unit.name.substr(0, 15).c_str());
@@ -47,16 +53,18 @@ void SetUp(const RobotUnit& unit) {
     cpu_set_t set;
     CPU_ZERO(&set);
     for (const int cpu : unit.cpus) CPU_SET(static_cast<std::size_t>(cpu), &set);
-    if (sched_setaffinity(0, sizeof set, &set) != 0) SayUnset("cpus");
+    if (sched_setaffinity(0, sizeof set, &set) != 0) {
+      SayUnset(unit, "cpus", "This host has the CPUs 0 to " + std::to_string(sysconf(_SC_NPROCESSORS_CONF) - 1) + ".");
+    }
   }
-  if (unit.nice != 0 && setpriority(PRIO_PROCESS, 0, unit.nice) != 0) SayUnset("nice");
+  if (unit.nice != 0 && setpriority(PRIO_PROCESS, 0, unit.nice) != 0) SayUnset(unit, "nice", kNeedsRight);
   if (unit.priority > 0) {
     const sched_param parameter{unit.priority};
-    if (sched_setscheduler(0, SCHED_FIFO, &parameter) != 0) SayUnset("priority");
+    if (sched_setscheduler(0, SCHED_FIFO, &parameter) != 0) SayUnset(unit, "priority", kNeedsRight);
   }
   if (unit.memory_bytes > 0) {
     const rlimit limit{unit.memory_bytes, unit.memory_bytes};
-    if (setrlimit(RLIMIT_DATA, &limit) != 0) SayUnset("memory");
+    if (setrlimit(RLIMIT_DATA, &limit) != 0) SayUnset(unit, "memory", kNeedsRight);
   }
 }
 

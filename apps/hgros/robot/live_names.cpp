@@ -121,6 +121,7 @@ std::vector<std::string> Collector::Collect() {
       break;
     }
     case ValueKind::kText:
+    case ValueKind::kName:
     case ValueKind::kFile:
     case ValueKind::kCommand: break;
     default: AddFromChannels(completion_.kind);
@@ -131,7 +132,8 @@ std::vector<std::string> Collector::Collect() {
 }  // namespace
 
 std::vector<std::string> LiveNames(const Completion& completion, const Surroundings& surroundings) {
-  if (completion.kind == ValueKind::kText || completion.kind == ValueKind::kFile) return {};
+  const ValueKind kind = completion.kind;
+  if (kind == ValueKind::kText || kind == ValueKind::kName || kind == ValueKind::kFile) return {};
   return Collector(completion, surroundings).Collect();
 }
 

@@ -145,7 +145,8 @@ class Session:
 
     def _join(self, longest_wait_s: float | None) -> None:
         # After everything has ended for which a callback may wait.
-        thread = self._thread
+        with self._lock:
+            thread = self._thread
         if thread is None or thread is threading.current_thread():
             return
         thread.join(longest_wait_s)
@@ -444,17 +445,24 @@ class Session:
 
     def _spin(self, stops: int) -> None:
         with self._Spinning(self):
-            self._ready.prepare()
-            try:
-                self._ring_all()
-                while not self.closed and self._stops == stops:
-                    self._handle(self._ready.wait(-1.0))
-            finally:
-                self._ready.relax()
+            self._run(stops)
 
-    def _spin_beside(self, stops: int) -> None:
+    def _run(self, stops: int) -> None:
+        self._ready.prepare()
         try:
-            self._spin(stops)
+            self._ring_all()
+            while not self.closed and self._stops == stops:
+                self._handle(self._ready.wait(-1.0))
+        finally:
+            self._ready.relax()
+
+    def _spin_beside(self, spinning: _Spinning, stops: int) -> None:
+        try:
+            self._spinner = threading.get_ident()
+            try:
+                self._run(stops)
+            finally:
+                spinning.__exit__()
         except SystemExit:  # Python lets it end this thread alone, without a word.
             logger.exception('A callback called sys.exit() on the thread of start(), which has ended. Callbacks of '
                              'session "%s" run again after start() or spin(). To end the program, let the callback tell '
@@ -475,14 +483,24 @@ class Session:
                     return False
 
     def start(self) -> None:
-        """Runs callbacks on a thread of their own until `stop` or `close`; for notebooks and interactive use."""
+        """Runs callbacks on a thread of their own until `stop` or `close`; for notebooks and interactive use.
+
+        Raises Error if another thread runs them.
+        """
         self._use()
         with self._lock:
             if self._thread is not None and self._thread.is_alive():
                 return
-            self._thread = threading.Thread(target=self._spin_beside, args=(self._stops,), name=f"hgros {self.name}",
-                                            daemon=True)
-            self._thread.start()
+            spinning = self._Spinning(self)
+            stops = spinning.__enter__()
+            thread = threading.Thread(target=self._spin_beside, args=(spinning, stops), name=f"hgros {self.name}",
+                                      daemon=True)
+            try:
+                thread.start()
+            except BaseException:
+                spinning.__exit__()
+                raise
+            self._thread = thread
 
     def stop(self) -> None:
         """Lets `spin`, `start` or `spin_async` end after the callback that runs. It can be called again after that.

@@ -77,7 +77,8 @@ using ParamListener = std::function<void(const ParamEvent& event)>;
 /// Thread safety: all functions. Readers see one tree that never changes; a change replaces it as a whole.
 /// Ordering:  listeners are called for one change after the other, in the order in which the changes were made; for
 /// each change in the order in which the listeners were added. They run on a thread that makes a change, without a
-/// lock. They may change parameters themselves; listeners are called for that after the current change.
+/// lock. They may change parameters themselves; listeners are called for that after the current change. Who changes
+/// parameters faster than listeners return is held up, at most for 1 s each time.
 /// Errors:    errors in files, declarations and reading throw ConfigError or ParamError. A refused change is a result
 /// with the reason.
 class HGROS_EXPORT ParamServer {

@@ -97,7 +97,7 @@ std::string Fault(const wire::AnnouncementFile& file) {
     if (const std::string fault = ChannelNameFault(channel.channel()); !fault.empty()) {
       return "one of its channel names cannot be used: " + fault;
     }
-    if (!IsPrintable(channel.type_name(), kMaxAnnouncedTextBytes)) {
+    if (!IsPrintable(channel.type_name(), kMaxTypeNameBytes)) {
       return "the type name of channel " + channel.channel() + " is invalid";
     }
     if (channel.transports_size() > static_cast<int>(kMaxPlaces)) {

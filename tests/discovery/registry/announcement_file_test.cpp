@@ -87,6 +87,7 @@ TEST(AnnouncementFile, ReportsWhyAFileIsRefused) {
       {"channel names", [](auto& file) { file.add_channels()->set_channel("a b"); }},
       {"channel names", [](auto& file) { file.add_channels(); }},
       {"type name", [](auto& file) { file.mutable_channels(0)->set_type_name("\x7f"); }},
+      {"type name", [](auto& file) { file.mutable_channels(0)->set_type_name(std::string(1025, 'x')); }},
       {"encoding", [](auto& file) { file.mutable_channels(0)->set_encoding(99); }},
   };
   for (const Case& one : cases) {
@@ -96,6 +97,14 @@ TEST(AnnouncementFile, ReportsWhyAFileIsRefused) {
     EXPECT_FALSE(parsed.announcement) << one.words;
     EXPECT_NE(parsed.fault.find(one.words), std::string::npos) << parsed.fault;
   }
+}
+
+TEST(AnnouncementFile, HasTheLongestTypeNameThatAChannelMayHave) {
+  wire::AnnouncementFile file = Message(EncodeFile(NewAnnouncement()));
+  file.mutable_channels(0)->set_type_name(std::string(kMaxTypeNameBytes, 'x'));
+  const ParsedFile parsed = ParseFile(AsBytes(file.SerializeAsString()));
+  ASSERT_TRUE(parsed.announcement) << parsed.fault;
+  EXPECT_EQ(parsed.announcement->channels.at(0).type_name.size(), kMaxTypeNameBytes);
 }
 
 TEST(AnnouncementFile, TruncatedFileIsReadWhereValidOrRefused) {

@@ -65,6 +65,21 @@ TEST(Arguments, RefuseCountsThatContradictEachOther) {
   EXPECT_THROW((void)count({"-n", "3", "--once"}), UsageError);
 }
 
+TEST(Arguments, RefuseAnEmptyName) {
+  std::vector<std::string> names;
+  std::string text;
+  Arguments arguments;
+  arguments.Positional({"CHANNEL", "", "Channels", ValueKind::kChannel, {}, true, true}, names);
+  arguments.Option("--text", "TEXT", text, "A text");
+  arguments.Parse(std::vector<std::string>{"a", "--text", ""});
+  EXPECT_THAT(names, ElementsAre("a"));
+  EXPECT_THAT(
+      [&] {
+        arguments.Parse(std::vector<std::string>{"a", ""});
+      },
+      testing::ThrowsMessage<UsageError>(HasSubstr("CHANNEL is empty. Give it a value.")));
+}
+
 TEST(Arguments, RefuseAnOptionThatIsNone) {
   try {
     const ReadArguments read({"--fla"});

@@ -21,7 +21,7 @@ class ComponentsCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
     arguments.Positional(
-        {"TYPE", "", "Only these, with everything about them, such as words/Counter", ValueKind::kText, {}, false},
+        {"TYPE", "", "Only these, with everything about them, such as words/Counter", ValueKind::kName, {}, false},
         wanted_);
     arguments.Option("--library", "FILE", libraries_, "The components of this shared library, installed or not",
                      ValueKind::kFile);

@@ -17,7 +17,7 @@ class LogsCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
     arguments.Positional(
-        {"NAME", "", "A component, process or program; without one, all", ValueKind::kText, {}, false, true}, names_);
+        {"NAME", "", "A component, process or program; without one, all", ValueKind::kName, {}, false, true}, names_);
     arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
     arguments.Flag("-f,--follow", follow_, "Go on with new lines until the robot ends");
     arguments.Flag("-v,--verbose", verbose_, "Also lines of the level debug");

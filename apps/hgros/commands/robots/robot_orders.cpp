@@ -14,7 +14,7 @@ namespace {
 class StopCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
-    arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kText, {}, false}, robot_);
+    arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kName, {}, false}, robot_);
   }
   [[nodiscard]] std::string Description() const override {
     return "Ends a robot in reverse order, as Ctrl-C does in `hgros run`, and waits until everything has ended. What "
@@ -37,7 +37,7 @@ class StopCommand final : public Command {
 class RestartCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
-    arguments.Positional({"NAME", "", "A component, process or program", ValueKind::kText, {}, true}, name_);
+    arguments.Positional({"NAME", "", "A component, process or program", ValueKind::kName, {}, true}, name_);
     arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
   }
   [[nodiscard]] std::string Description() const override {
@@ -66,7 +66,7 @@ class RestartCommand final : public Command {
 class MoveCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
-    arguments.Positional({"COMPONENT", "", "Its name", ValueKind::kText, {}, true}, component_);
+    arguments.Positional({"COMPONENT", "", "Its name", ValueKind::kName, {}, true}, component_);
     arguments.Option("--to", "PLACE", to_, "A process of the robot, or a host: then its first one that runs");
     arguments.Option("--robot", "ROBOT", robot_, "Its name, if several run");
   }
@@ -99,7 +99,7 @@ class MoveCommand final : public Command {
 class WaitCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
-    arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kText, {}, false}, robot_);
+    arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kName, {}, false}, robot_);
   }
   [[nodiscard]] std::string Description() const override {
     return "Waits until a robot has ended. The exit code is that of the robot: 1 if something has failed.";

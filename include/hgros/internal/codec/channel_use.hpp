@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "hgros/codec/type_info.hpp"
 
 namespace hgros {
+
+/// The longest type name that can be announced and asked for.
+inline constexpr std::size_t kMaxTypeNameBytes = 1024;
 
 /// A session's use of one channel.
 struct ChannelUse {

@@ -14,7 +14,7 @@
 namespace hgros {
 
 namespace discovery {
-inline constexpr std::size_t kMaxAnnouncedTextBytes = 256;  // Limit of displayed names, type names and endpoints.
+inline constexpr std::size_t kMaxAnnouncedTextBytes = 256;  // Limit of displayed names and endpoints.
 }  // namespace discovery
 
 /// A session's use of one channel, and the transports that may carry it.

@@ -119,7 +119,12 @@ class Services : public std::enable_shared_from_this<Services> {
   bool refusing_ = false;
   std::map<std::string, std::shared_ptr<ServiceHost>, std::less<>> hosts_;
   std::map<std::string, std::shared_ptr<ServiceClient>, std::less<>> clients_;
-  std::map<std::string, std::uint64_t> said_twice_;  // By service: the second server, once it has been reported.
+  struct SecondServer {
+    SessionId session{};
+    std::chrono::steady_clock::time_point since{};
+    bool said = false;
+  };
+  std::map<std::string, SecondServer> second_servers_;  // By service.
   std::map<SessionId, std::chrono::steady_clock::time_point> taken_from_;  // Until when its announcements may be late.
 
   std::mutex thread_mutex_;
