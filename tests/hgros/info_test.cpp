@@ -101,7 +101,7 @@ TEST(HgrosInfo, NamesTheNearestIfNothingHasTheName) {
 TEST(HgrosInfo, NothingHasTheEmptyName) {
   PatrolRobot patrol;
   const CommandEnd end = patrol.robot.Run({"info", ""});
-  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.status, 2);
   EXPECT_EQ(end.out, "");
 }
 
