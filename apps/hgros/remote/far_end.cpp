@@ -71,8 +71,8 @@ int FarEnd::Run() {
       TellEnd(std::exchange(unit_, nullptr)->status());
       break;
     }
+    if (over()) EndUnit();  // Before waiting: what was read of the unit may have shown that nobody listens.
     Wait();
-    if (over()) EndUnit();
     if (Clock::now() >= kill_at_) unit_->Signal(SIGKILL);
   }
   while (reports_.unsent() > 0 && !over()) Wait();
