@@ -38,6 +38,7 @@ TEST(FarEnd, EndsWhenItFindsThatNobodyReadsWhatItsProgramPrints) {
   start.set_file("robot.yaml");
   start.set_robot(
       "hosts: {desk: {address: 127.0.0.1, home: true}, base: {address: 127.0.0.2}}\n"
+      "components: {a: {type: some/Type}}\n"
       "programs: {q: {host: base, command: [sh, -c, 'echo one; sleep 0.3; echo two; sleep 100d']}}\n");
   start.set_host("base");
   start.set_unit("q");
@@ -47,7 +48,7 @@ TEST(FarEnd, EndsWhenItFindsThatNobodyReadsWhatItsProgramPrints) {
   EXPECT_TRUE(test::Await([&] {
     (void)from->Read();
     RemoteReport report;
-    while (from->Next(report)) printed += report.printed();
+    while (from->Next(report)) printed += report.printed() + report.run().fault();
     return printed == "one";
   })) << printed;
   from.reset();
