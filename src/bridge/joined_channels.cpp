@@ -84,9 +84,7 @@ void JoinedOutbound::Add(Transport& transport) {
 
 void JoinedOutbound::TellSubscribers() {
   const std::scoped_lock lock(telling_);
-  const std::size_t count = std::accumulate(subscribers_.begin(), subscribers_.end(), cut_.count());
-  if (count == 0) ending_.clear();  // Also of those that were lost before.
-  source_.OnSubscribers(count);
+  source_.OnSubscribers(std::accumulate(subscribers_.begin(), subscribers_.end(), cut_.count()));
 }
 
 void JoinedOutbound::Keep(SessionId subscriber, const Demand& demand, std::vector<OutboundMessage>&& unfinished) {
@@ -155,14 +153,16 @@ std::vector<SessionId> JoinedOutbound::Subscribers() const {
   return all;
 }
 
-// A subscriber that moves to another transport ends over one and stays on the others. But it may also have ended over
-// all of them, and have begun again over some before it has ended over the last.
+// A subscriber that moves stays on the other transports. One that ends over all may begin again over some meanwhile.
 bool JoinedOutbound::HasEnded(SessionId subscriber, std::size_t part) {
   std::set<std::size_t> there;
   for (std::size_t i = 0; i < Parts().size(); ++i) {
     if (i != part && std::ranges::count(parts_[i]->channel->Subscribers(), subscriber) > 0) there.insert(i);
   }
+  std::vector<SessionId> live = Subscribers();  // Others were lost.
+  live.push_back(subscriber);
   const std::scoped_lock lock(telling_);
+  std::erase_if(ending_, [&](const auto& one) { return std::ranges::find(live, one.first) == live.end(); });
   const auto left = ending_.try_emplace(subscriber, there).first;
   std::erase_if(left->second, [&](std::size_t one) { return !there.contains(one); });
   if (!left->second.empty()) return false;

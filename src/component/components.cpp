@@ -76,7 +76,7 @@ void Components::Core::End(std::string_view name) {
 }
 
 void Components::Core::ConstructAgain(std::string_view name, std::chrono::nanoseconds patience,
-                                      const Components::SetupAgain& setup) {
+                                      const Components::SetupAgain& setup, const Components::OnSaved& saved) {
   OneComponent& one = Get(name);
   if (one.type.state == nullptr) {
     throw Error(Named(one.core.setup()) + "its class cannot be saved.", {}, "Give it Save() and Restore().");
@@ -87,8 +87,9 @@ void Components::Core::ConstructAgain(std::string_view name, std::chrono::nanose
   });
   std::vector<Error> faults;
   try {
+    if (saved) saved(state);  // At once: the end of the old object may hang.
     faults = one.ConstructAgain([&] {
-      ComponentSetup next = setup(state);
+      ComponentSetup next = setup();
       next.state = state;
       return next;
     });
@@ -144,8 +145,9 @@ void Components::Start() { core_->Start(); }
 std::shared_ptr<const RawMessage> Components::Save(std::string_view name, std::chrono::nanoseconds patience) {
   return core_->Get(name).Save(patience);
 }
-void Components::ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const SetupAgain& setup) {
-  core_->ConstructAgain(name, patience, setup);
+void Components::ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const SetupAgain& setup,
+                                const OnSaved& saved) {
+  core_->ConstructAgain(name, patience, setup, saved);
 }
 void Components::NoteHanging(std::string_view name) { core_->Get(name).core.guard()->NoteHanging(); }
 void Components::End(std::string_view name) { core_->End(name); }

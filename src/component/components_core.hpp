@@ -27,7 +27,8 @@ class Components::Core {
   void Join(OneComponent& one);
   void Start();
   void End(std::string_view name);
-  void ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const Components::SetupAgain& setup);
+  void ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const Components::SetupAgain& setup,
+                      const Components::OnSaved& saved);
 
   [[nodiscard]] OneComponent* Find(std::string_view name);
   // Throws Error if there is none.

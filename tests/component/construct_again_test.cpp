@@ -147,7 +147,7 @@ class ConstructAgainTest : public DomainFixture {
     return seen_;
   }
   void Again(const std::vector<ParamOverride>& params = {}, std::chrono::nanoseconds patience = kCallbacks) {
-    components_.ConstructAgain("summing", patience, [&](const auto&) { return SummingSetup(params); });
+    components_.ConstructAgain("summing", patience, [&] { return SummingSetup(params); });
   }
   [[nodiscard]] bool Sees(std::size_t count) {
     return Await([&] { return seen().size() >= count; });
@@ -199,11 +199,17 @@ TEST_P(ConstructAgainFlow, NothingIsLostDoubledOrOvertaken) {
   int times = 0;
   for (; times < kTimes && Sees(seen().size() + kBetween); ++times) {
     std::string saved;
-    components_.ConstructAgain("summing", kCallbacks, [&](const auto& state) {
-      EXPECT_EQ(instances, 0);
-      saved = state->schema->type_name;
-      return SummingSetup();
-    });
+    components_.ConstructAgain(
+        "summing", kCallbacks,
+        [&] {
+          EXPECT_EQ(instances, 0);
+          EXPECT_FALSE(saved.empty());
+          return SummingSetup();
+        },
+        [&](const auto& state) {
+          EXPECT_EQ(instances, 1);
+          saved = state->schema->type_name;
+        });
     EXPECT_EQ(saved, "foxglove.PoseInFrame");
     EXPECT_EQ(instances, 1);
     EXPECT_TRUE(summing().active);
@@ -298,7 +304,7 @@ TEST_F(ConstructAgainTest, ItsSetupIsAskedForWhenAllChangesOfParametersAreKnown)
   Again({{"set_at_end", "3", "test"}});
   EXPECT_THAT(changes_, ElementsAre());
   (void)components_.params("summing").Set("step", 2);
-  components_.ConstructAgain("summing", kCallbacks, [&](const auto&) {
+  components_.ConstructAgain("summing", kCallbacks, [&] {
     EXPECT_THAT(changes_, ElementsAre("summing step 2", "summing step 3"));
     return SummingSetup({{"step", "3", "test"}});
   });
@@ -308,9 +314,9 @@ TEST_F(ConstructAgainTest, ItsSetupIsAskedForWhenAllChangesOfParametersAreKnown)
 }
 
 TEST_F(ConstructAgainTest, WhatCannotBeSavedRunsOn) {
-  EXPECT_THAT([&] { components_.ConstructAgain("unsaved", kCallbacks, [](const auto&) { return ComponentSetup(); }); },
+  EXPECT_THAT([&] { components_.ConstructAgain("unsaved", kCallbacks, [] { return ComponentSetup(); }); },
               ThrowsMessage<Error>(HasSubstr("Give it Save() and Restore()")));
-  EXPECT_THROW(components_.ConstructAgain("nobody", kCallbacks, [](const auto&) { return ComponentSetup(); }), Error);
+  EXPECT_THROW(components_.ConstructAgain("nobody", kCallbacks, [] { return ComponentSetup(); }), Error);
   Publish(number_, Summing::kHang);
   ASSERT_TRUE(Await([&] { return summing().hangs.load(); }));
   const Summing* const before = &summing();

@@ -29,7 +29,7 @@ TEST(HgrosComponents, ListsInstalledOnes) {
             "moving/Judging   passed, ask                          0  libhgros_test_moving.so\n"
             "moving/Passing   number       passed     count        2  libhgros_test_moving.so\n"
             "relay/Checker    number                               1  libhgros_test_relay.so\n"
-            "relay/Counter    word         count                   2  libhgros_test_relay.so\n"
+            "relay/Counter    word         count                   3  libhgros_test_relay.so\n"
             "relay/Does                                            1  libhgros_test_relay.so\n"
             "relay/Numbers                 number                  1  libhgros_test_relay.so\n"
             "relay/Pose       number                               0  libhgros_test_relay.so\n"

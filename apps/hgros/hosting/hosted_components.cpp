@@ -235,11 +235,13 @@ void HostedComponents::ConstructAgain(const std::string& name) {
     return Restart(one);
   }
   try {
-    components_.ConstructAgain(name, kRestartPatience, [&](const auto& state) {
-      Keep(one, state);
-      Forget(one);
-      return Next(one);
-    });
+    components_.ConstructAgain(
+        name, kRestartPatience,
+        [&] {
+          Forget(one);
+          return Next(one);
+        },
+        [&](const auto& state) { Keep(one, state); });
   } catch (const std::exception& error) {
     reports_.Line(name, LogLevel::kWarning,
                   std::string("It ends first, so the messages that wait for it are lost. ") + error.what());

@@ -493,14 +493,16 @@ class Session:
                 return
             spinning = self._Spinning(self)
             stops = spinning.__enter__()
-            thread = threading.Thread(target=self._spin_beside, args=(spinning, stops), name=f"hgros {self.name}",
-                                      daemon=True)
+            self._spinner = None  # The thread sets it to itself.
+            self._thread = threading.Thread(target=self._spin_beside, args=(spinning, stops), name=f"hgros {self.name}",
+                                            daemon=True)
             try:
-                thread.start()
+                self._thread.start()
             except BaseException:
-                spinning.__exit__()
+                if self._thread.ident is None:  # No thread has begun. Ctrl-C may also come when one has.
+                    self._thread = None
+                    spinning.__exit__()
                 raise
-            self._thread = thread
 
     def stop(self) -> None:
         """Lets `spin`, `start` or `spin_async` end after the callback that runs. It can be called again after that.

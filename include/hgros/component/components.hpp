@@ -102,17 +102,19 @@ class HGROS_EXPORT Components {
   /// Error if callbacks still run after `patience`.
   [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::string_view name,
                                                        std::chrono::nanoseconds patience = std::chrono::seconds(1));
-  using SetupAgain = std::function<ComponentSetup(const std::shared_ptr<const RawMessage>& state)>;
+  using SetupAgain = std::function<ComponentSetup()>;
+  using OnSaved = std::function<void(const std::shared_ptr<const RawMessage>& state)>;
   /// Constructs a component that runs again: lets its callbacks end, saves it, calls Deactivate, destroys it,
   /// constructs it from what `setup` returns, restores it, and lets it join and start. Its subscriptions stay, and what
   /// comes meanwhile waits for the new object, so no message is lost, handled twice or out of order. A call that waits
-  /// fails and can be repeated. `setup` is called with the state once the old object has gone, so it knows all changes
-  /// of parameters; its ComponentSetup::state is not used.
+  /// fails and can be repeated. `saved` gets the state as soon as no callback runs. `setup` is called once the old
+  /// object has gone, so it knows all changes of parameters; its ComponentSetup::state is not used.
   ///
   /// Errors: throws Error if the class has no Save, callbacks still run after `patience`, or it cannot be saved; it
-  /// runs on then. Otherwise as Add and Join, or what `setup` throws; what waits is lost then, and nothing is left of
-  /// it.
-  void ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const SetupAgain& setup);
+  /// runs on then. Otherwise as Add and Join, or what `setup` and `saved` throw; what waits is lost then, and nothing
+  /// is left of it.
+  void ConstructAgain(std::string_view name, std::chrono::nanoseconds patience, const SetupAgain& setup,
+                      const OnSaved& saved = {});
   /// Counts and logs callbacks that run for longer than the deadline and have not returned, each once. Those that have
   /// returned are counted without it.
   void NoteHanging(std::string_view name);

@@ -225,8 +225,12 @@ void Channel::PublisherIsGone(std::uint64_t publisher) {
 }
 
 void Channel::PublisherIsBack(std::uint64_t publisher, std::optional<std::uint64_t> incarnation) {
-  const std::scoped_lock turn(returns_mutex_);
   LatchedMessages::Return back;
+  if (!incarnation) {  // Usually nobody has missed anything, and need not wait for callbacks.
+    const std::scoped_lock lock(latch_mutex_);
+    if (!latched_messages_.AreMissed(publisher)) return (void)latched_messages_.MarkBack(publisher);
+  }
+  const std::scoped_lock turn(returns_mutex_);
   {
     const std::scoped_lock lock(latch_mutex_);
     back = latched_messages_.MarkBack(publisher, incarnation);

@@ -148,6 +148,7 @@ class Counter {
       : context_(context),
         step_(context.Declare("step", 1)),
         ballast_bytes_(context.Declare("ballast_bytes", 0)),
+        hangs_at_end_(context.Declare("hangs_at_end", false)),
         counts_(context.Advertise<KeyValuePair>("count")) {
     context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair& word) {
       if (word.value() == "throw") throw std::runtime_error("it does not know this word");
@@ -162,6 +163,9 @@ class Counter {
     });
   }
   void Activate() { Say("begins at"); }
+  void Deactivate() {
+    while (hangs_at_end_) Wait(std::chrono::hours(1));
+  }
   [[nodiscard]] KeyValuePair Save() const {
     if (secret_) throw std::runtime_error("its state is secret");
     times_saved_ = count_ == saved_ ? times_saved_ + 1 : 1;
@@ -185,6 +189,7 @@ class Counter {
   hgros::Context& context_;
   int step_;
   const int ballast_bytes_;
+  const bool hangs_at_end_;
   hgros::Publisher<KeyValuePair> counts_;
   int count_ = 0;
   bool secret_ = false;

@@ -125,6 +125,18 @@ TEST(HgrosCheckpoint, ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAg
   EXPECT_THAT(robot.out(), Not(HasSubstr("has failed")));
 }
 
+TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsAtItsEndLosesNoState) {
+  RunningRobot robot(
+      "components: {counter: {type: relay/Counter, params: {hangs_at_end: true}}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [counter]}}\n");
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  robot.Say("one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+}
+
 TEST(HgrosCheckpoint, ComponentsOfAProcessAreConstructedAgainAtOnce) {
   RunningRobot robot(
       "components: {a: {type: relay/Counter}, b: {type: relay/Counter}, c: {type: relay/Does}}\n"
