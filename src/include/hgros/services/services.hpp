@@ -124,7 +124,7 @@ class Services : public std::enable_shared_from_this<Services> {
     std::chrono::steady_clock::time_point since{};
     bool said = false;
   };
-  std::map<std::string, SecondServer> second_servers_;  // By service.
+  std::map<std::string, SecondServer> second_servers_;                     // By service.
   std::map<SessionId, std::chrono::steady_clock::time_point> taken_from_;  // Until when its announcements may be late.
 
   std::mutex thread_mutex_;
