@@ -84,6 +84,9 @@ std::string SentenceFor(const CLI::Error& error) {
   return text + (text.ends_with('.') ? "" : ".");
 }
 
+// Nothing that has a name or a file has an empty one.
+bool MayBeEmpty(ValueKind kind) { return kind == ValueKind::kText || kind == ValueKind::kParam; }
+
 }  // namespace
 
 void Arguments::Add(Argument argument, Setter setter) {
@@ -182,13 +185,6 @@ void Arguments::Positional(Argument argument, std::vector<std::string>& variable
     return std::string();
   });
 }
-
-namespace {
-
-// Nothing that has a name or a file has an empty one.
-bool MayBeEmpty(ValueKind kind) { return kind == ValueKind::kText || kind == ValueKind::kParam; }
-
-}  // namespace
 
 void Arguments::Parse(std::span<const std::string> words) const {
   RequireKnownOptions(words, all_);

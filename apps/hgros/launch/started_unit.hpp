@@ -40,6 +40,9 @@ struct StartedUnit {
   int status = 0;  ///< Of its last end.
   std::uint64_t starts = 0;
   Clock::time_point started{};                           ///< The last time.
+  bool remote = false;                                   ///< `running` is a relay to another host.
+  bool over = false;                                     ///< The relay has told that what runs there has ended.
+  Clock::time_point over_at = Clock::time_point::max();  ///< The relay has ended without that: when it is certain.
   Clock::time_point kill_at = Clock::time_point::max();  ///< It was told to end, or see `alone`.
   std::map<std::string, Clock::time_point> alone{};      ///< Components that are constructed again; the latest time.
   bool again = false;                                    ///< Is to be started again when it has ended.
@@ -52,7 +55,7 @@ struct StartedUnit {
 
   /// Of one that runs: adds what its starter waits for. `reads`: also its reports.
   void AddTo(std::vector<pollfd>& watched, bool reads) const {
-    watched.push_back({running->end_descriptor(), POLLIN, 0});
+    if (over_at == Clock::time_point::max()) watched.push_back({running->end_descriptor(), POLLIN, 0});
     const int events = (running->stream().unsent() > 0 ? POLLOUT : 0) | (reads ? POLLIN : 0);
     if (!running->stream_ended()) watched.push_back({running->stream().descriptor(), static_cast<short>(events), 0});
     if (running->output() >= 0) watched.push_back({running->output(), POLLIN, 0});
@@ -69,6 +72,12 @@ struct StartedUnit {
     running->stream().Add(order);
     (void)running->stream().Write();  // If nobody reads it, the end of the process follows.
   }
+  /// Its components have joined, and may run.
+  void Release() {
+    RunOrder order;
+    (void)order.mutable_start();
+    Send(order);
+  }
   /// A component is constructed again alone. If that takes too long, its process is.
   void AwaitAlone(const std::string& component) {
     alone[component] = Clock::now() + std::chrono::seconds(5);
@@ -81,6 +90,13 @@ struct StartedUnit {
     if (stage == UnitStage::kEnds || again) return;
     kill_at = Clock::time_point::max();
     for (const auto& [component, latest] : alone) kill_at = std::min(kill_at, latest);
+  }
+  /// Of one that has ended: whether what it has started on another host may run on. Without a connection, that ends
+  /// within `most`.
+  [[nodiscard]] bool MayRunOn(std::chrono::seconds most) {
+    if (!remote || over) return false;
+    if (over_at == Clock::time_point::max()) over_at = Clock::now() + most;
+    return Clock::now() < over_at;
   }
   /// Of a process that has ended by itself: all its components had ended, some before they knew that they are to be
   /// constructed again.

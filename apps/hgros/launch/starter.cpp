@@ -96,7 +96,9 @@ void Starter::StartDue() {
 
 void Starter::Start(Unit& unit) {
   unit.ended.clear();
-  const bool remote = options_.remote != nullptr && !unit.setup->host.empty();
+  const bool remote = unit.remote = options_.remote != nullptr && !unit.setup->host.empty();
+  unit.over = false;
+  unit.over_at = Clock::time_point::max();
   RobotUnit relay;  // What the file says is for the other host.
   relay.name = unit.setup->name;
   relay.at = unit.setup->at;
@@ -142,7 +144,7 @@ void Starter::Advance() {
     released_ = true;
     late_at_ = Clock::now() + kLateStart;
     for (Unit& unit : units_) {
-      if (unit.process != nullptr) Release(unit);
+      if (unit.process != nullptr) unit.Release();
     }
     StartDue();
     if (ending_) return;
@@ -161,12 +163,6 @@ void Starter::SendJoin(Unit& unit) {
   unit.Send(order);
 }
 
-void Starter::Release(Unit& unit) {
-  RunOrder order;
-  (void)order.mutable_start();
-  unit.Send(order);
-}
-
 // --- hearing ---
 
 Starter::Clock::time_point Starter::NextDue() const {
@@ -174,7 +170,7 @@ Starter::Clock::time_point Starter::NextDue() const {
   for (const Unit& unit : units_) {
     const bool waits = unit.stage == Stage::kWaits && !ending_ && (unit.process != nullptr || released_);
     if (waits) due = std::min(due, unit.due);
-    due = std::min(due, unit.kill_at);
+    due = std::min({due, unit.kill_at, unit.over_at});
   }
   return due;
 }
@@ -215,6 +211,8 @@ void Starter::Hear(Unit& unit) {
   running.ReadOutput(hear);
   if (!ended) return;
   running.ReadLastLine(hear);
+  if (unit.MayRunOn(kFarEnd) && !ending_) return;  // Another instance may run only afterwards.
+  unit.over_at = Clock::time_point::max();
   TakeEnd(unit);
 }
 
@@ -227,12 +225,13 @@ void Starter::Take(Unit& unit, const RunReport& report) {
                                                             : Stage::kRunning;
       if (!released_) return;  // Advance() lets all go on together.
       if (unit.stage == Stage::kConstructed) SendJoin(unit);
-      if (unit.stage == Stage::kJoined) Release(unit);
+      if (unit.stage == Stage::kJoined) unit.Release();
       return;
     case RunReport::kComponent: return TakeComponent(unit, report.component());
     case RunReport::kSaved: kept_[report.saved().component()].state = StateOf(report.saved()); return;
     case RunReport::kChanged: return kept_[report.changed().component()].Note(report.changed());
     case RunReport::kMove: return mover_.Take(unit, report.move());
+    case RunReport::kOver: unit.over = true; return;
     case RunReport::kLine:
       return log_.Add({report.line().time_ns(), unit.setup->name, report.line().component(),
                        static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});

@@ -87,7 +87,6 @@ class Starter {
   void Advance();
   void SayWhatIsLate();
   void SendJoin(Unit& unit);
-  void Release(Unit& unit);
 
   // Everything ends, the last ones first. `why` is said; empty: the user knows.
   void EndAll(const std::string& why, int code);

@@ -10,11 +10,13 @@ namespace hgros::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
+constexpr std::chrono::seconds kRelayPatience{1};        // More, because its host kills what runs there, and tells.
 
 }  // namespace
 
 void Starter::TellToEnd(Unit& unit) {
-  unit.kill_at = std::min(kill_at_, Clock::now() + kEndPatience);
+  const auto patience = unit.remote ? kEndPatience + kRelayPatience : kEndPatience;
+  unit.kill_at = std::min(kill_at_, Clock::now() + patience);
   if (unit.program != nullptr) return unit.running->Signal(SIGTERM);
   RunOrder order;
   order.mutable_end()->set_save(unit.again);
@@ -25,7 +27,7 @@ void Starter::KillLate() {
   for (Unit& unit : units_) {
     if (unit.kill_at > Clock::now()) continue;
     unit.kill_at = Clock::time_point::max();
-    if (unit.running == nullptr) continue;
+    if (unit.running == nullptr || unit.over_at != Clock::time_point::max()) continue;
     unit.again = unit.again || !std::exchange(unit.alone, {}).empty();
     Say(unit, LogLevel::kWarning, "It did not end in time, and is killed.");
     unit.running->Signal(SIGKILL);

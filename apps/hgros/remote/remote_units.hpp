@@ -19,6 +19,8 @@ namespace hgros::cli {
 inline constexpr std::chrono::seconds kFarSilence{8};
 /// and has so long to end. Then it is killed.
 inline constexpr std::chrono::milliseconds kFarPatience{1600};
+/// So when the connection is lost, it has ended after this time.
+inline constexpr auto kFarEnd = std::chrono::ceil<std::chrono::seconds>(kFarSilence + kFarPatience);
 
 /// The processes and programs of a robot that run on other hosts, and what these need to start them.
 class RemoteUnits {

@@ -30,8 +30,6 @@ constexpr int kSshFailed = 255;                   // Exit codes of ssh,
 constexpr int kNotFound = 127;                    // of a shell,
 constexpr int kNoSsh = 126;                       // and of what should have become ssh.
 
-constexpr auto kFarEnd = std::chrono::ceil<std::chrono::seconds>(kFarSilence + kFarPatience);
-
 std::string DestinationOf(const RobotHost& host) { return host.ssh.empty() ? host.address : host.ssh; }
 
 // Never asks anything; sees within seconds that a network is dead; is a connection of its own.
@@ -254,24 +252,6 @@ int SshRelay::SayWhy(int ssh_status) {
   return code;
 }
 
-void SshRelay::AwaitFarEnd() {
-  const int starter = starter_.descriptor();
-  (void)fcntl(starter, F_SETFL, fcntl(starter, F_GETFL) | O_NONBLOCK);
-  const auto end = Clock::now() + kFarEnd;
-  for (auto now = Clock::now(); now < end; now = Clock::now()) {
-    std::array<pollfd, 2> watched{pollfd{signals_, POLLIN, 0}, pollfd{starter, POLLIN, 0}};
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - now).count();
-    if (poll(watched.data(), watched.size(), static_cast<int>(left)) < 0) continue;
-    if (watched[0].revents != 0) return;  // The starter does not wait.
-    if (watched[1].revents == 0) continue;
-    if (!starter_.Read()) return;
-    RunOrder order;
-    while (starter_.Next(order)) {
-      if (order.has_end()) return;
-    }
-  }
-}
-
 int SshRelay::Run() {
   siginfo_t info{};
   while (info.si_pid == 0) {
@@ -282,6 +262,11 @@ int SshRelay::Run() {
   while (waitpid(ssh_, &status, 0) < 0 && errno == EINTR) {
   }
   if (!host_silent_) HearHost();
+  if (!heard_ || has_ended_ || refused_) {
+    RunReport report;
+    report.set_over(true);
+    starter_.Add(report);
+  }
   // The rest must reach the starter, however long that takes.
   for (const int one : {starter_.descriptor(), STDOUT_FILENO}) {
     (void)fcntl(one, F_SETFL, fcntl(one, F_GETFL) & ~O_NONBLOCK);
@@ -290,7 +275,6 @@ int SshRelay::Run() {
   (void)starter_.Write();
   const int code = SayWhy(status);
   (void)starter_.Write();
-  if (heard_ && !has_ended_ && !refused_) AwaitFarEnd();
   return code;
 }
 

@@ -48,8 +48,6 @@ class SshRelay {
   void TellEnd(const RunOrder& end);
   // An error for the log, in the name of the process or program.
   void Fault(const std::string& what);
-  // Until what runs there has ended for certain, because another instance of it may run only then.
-  void AwaitFarEnd();
   // How it has ended; the exit code.
   [[nodiscard]] int SayWhy(int ssh_status);
 

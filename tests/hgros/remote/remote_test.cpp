@@ -194,8 +194,8 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;
   const std::string& desk = host.cable.left;
   const std::string& base = host.cable.right;
-  const std::vector<Victim> victims{{desk, "ssh"}, {base, "sshd"}, {base, "hgros"},
-                                    {base, "far"}, {desk, "near"}, {desk, "hgros"}};
+  const std::vector<Victim> victims{{desk, "ssh"}, {base, "sshd"}, {base, "hgros"}, {base, "far"},
+                                    {desk, "far"}, {desk, "near"}, {desk, "hgros"}};
   const char* wanted = std::getenv("HGROS_MOVE_ROUNDS");
   const char* chosen = std::getenv("HGROS_MOVE_SEED");
   const unsigned seed = chosen == nullptr ? std::random_device()() : static_cast<unsigned>(std::stoul(chosen));
@@ -421,14 +421,33 @@ TEST(HgrosRemote, WhatHasLostItsConnectionHasEndedBeforeItIsStartedAgain) {
   const RobotFolder robot(std::string(kHosts) +
                           "components: {does: {type: relay/Does, params: {what: hang at end}}}\n"
                           "processes: {p: {components: [does], host: base, restart: on-failure}}\n");
+  for (const char* killed : {"ssh", "p"}) {  // p is the relay here.
+    const auto run = host.Run(robot);
+    ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+    const pid_t before = FindOn(host.cable.right, "p");
+    ASSERT_GT(before, 0);
+    ASSERT_EQ(kill(FindOn(host.cable.left, killed), SIGKILL), 0);
+    EXPECT_TRUE(run->Prints("It is started again."));
+    EXPECT_FALSE(Runs(before)) << killed;
+    EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "p") > 0; })) << run->out();
+    run->Signal(SIGINT);
+    EXPECT_EQ(run->Wait(), 128 + SIGINT);
+    EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+  }
+}
+
+TEST(HgrosRemote, ARestartOfWhatHangsAtItsEndTakesNoLongerThere) {
+  const SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components: {does: {type: relay/Does, params: {what: hang at end}}}\n"
+                          "processes: {p: {components: [does], host: base}}\n");
   const auto run = host.Run(robot);
   ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
-  const pid_t before = FindOn(host.cable.right, "p");
-  ASSERT_GT(before, 0);
-  ASSERT_EQ(kill(FindOn(host.cable.left, "ssh"), SIGKILL), 0);
-  EXPECT_TRUE(run->Prints("It is started again."));
-  EXPECT_FALSE(Runs(before));
-  EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "p") > 0; })) << run->out();
+  const auto begin = std::chrono::steady_clock::now();
+  const auto restart = host.OnDesk(robot, {"restart", "p"});
+  EXPECT_EQ(restart->Wait(), 0) << restart->err();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(8));
   run->Signal(SIGINT);
   EXPECT_EQ(run->Wait(), 128 + SIGINT);
 }
