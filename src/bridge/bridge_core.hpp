@@ -14,7 +14,8 @@
 
 #include "bridge/announcer.hpp"
 #include "bridge/host_pairs.hpp"
-#include "bridge/joined_channels.hpp"
+#include "bridge/joined/joined_inbound.hpp"
+#include "bridge/joined/joined_outbound.hpp"
 #include "bridge/lan_peers.hpp"
 #include "bridge/open_transports.hpp"
 #include "bridge/peer_transports.hpp"

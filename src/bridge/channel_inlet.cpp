@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/joined_channels.hpp"
+#include "bridge/joined/joined_inbound.hpp"
 #include "hgros/base/message_key.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/time.hpp"

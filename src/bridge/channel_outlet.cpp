@@ -4,7 +4,7 @@
 #include <new>
 #include <utility>
 
-#include "bridge/joined_channels.hpp"
+#include "bridge/joined/joined_outbound.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/transport/ends_later.hpp"

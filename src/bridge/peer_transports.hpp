@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/transport_move.hpp"
+#include "bridge/joined/transport_move.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/transport_list.hpp"
 #include "hgros/transport/transport.hpp"

@@ -3,7 +3,8 @@
 #include <optional>
 #include <thread>
 
-#include "bridge/joined_channels.hpp"
+#include "bridge/joined/joined_inbound.hpp"
+#include "bridge/joined/joined_outbound.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/errand_thread.hpp"
 #include "session/domain_fixture.hpp"

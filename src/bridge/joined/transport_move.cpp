@@ -1,4 +1,4 @@
-#include "bridge/transport_move.hpp"
+#include "bridge/joined/transport_move.hpp"
 
 #include <iterator>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "bridge/cut_subscribers.hpp"
+#include "bridge/joined/cut_subscribers.hpp"
 
 #include <functional>
 #include <future>
@@ -9,7 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/joined_channels.hpp"
+#include "bridge/joined/joined_inbound.hpp"
+#include "bridge/joined/joined_outbound.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
 

@@ -1,4 +1,4 @@
-#include "bridge/cut_subscribers.hpp"
+#include "bridge/joined/cut_subscribers.hpp"
 
 #include <algorithm>
 #include <new>

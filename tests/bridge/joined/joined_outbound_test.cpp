@@ -1,4 +1,4 @@
-#include "bridge/joined_channels.hpp"
+#include "bridge/joined/joined_outbound.hpp"
 
 #include <gtest/gtest.h>
 
