@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -207,6 +208,32 @@ void OccupancyMap::Apply(const MapDelta& delta) {
     }
   }
   version_ = delta.version;
+}
+
+MapDelta Difference(const OccupancyMap& before, const OccupancyMap& after) {
+  static const OccupancyMap::Tile kUnknown{};
+  const auto tile_of = [](const OccupancyMap& map, const TileIndex& index) -> const OccupancyMap::Tile& {
+    const auto found = map.tiles().find(index);
+    return found == map.tiles().end() ? kUnknown : found->second;
+  };
+  std::set<TileIndex> indices;
+  for (const auto& [index, tile] : before.tiles()) indices.insert(index);
+  for (const auto& [index, tile] : after.tiles()) indices.insert(index);
+  MapDelta delta;
+  delta.version = after.version();
+  for (const TileIndex& index : indices) {
+    const OccupancyMap::Tile& from = tile_of(before, index);
+    const OccupancyMap::Tile& to = tile_of(after, index);
+    const auto first = static_cast<std::uint32_t>(delta.cells.size());
+    for (std::size_t cell = 0; cell < to.size(); ++cell) {
+      if (from[cell] == to[cell]) continue;
+      delta.cells.push_back(static_cast<std::uint16_t>(cell));
+      delta.values.push_back(to[cell]);
+    }
+    const auto count = static_cast<std::uint32_t>(delta.cells.size()) - first;
+    if (count > 0) delta.tiles.push_back({index, first, count});
+  }
+  return delta;
 }
 
 int OccupancyMap::At(int cell_x, int cell_y) const {

@@ -106,4 +106,7 @@ class OccupancyMap {
   std::map<TileIndex, Tile> tiles_;
 };
 
+/// The delta that gives a replica of `before` the cells and the version of `after`, as Integrate() would return it.
+[[nodiscard]] MapDelta Difference(const OccupancyMap& before, const OccupancyMap& after);
+
 }  // namespace slam2d

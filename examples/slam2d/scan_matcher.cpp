@@ -115,10 +115,14 @@ void ScanMatcher::SetOptions(const MatcherOptions& options) {
   revisits_.SetOptions(options.revisit);
 }
 
-void ScanMatcher::SetMap(const MapOptions& map_options) {
-  replica_ = OccupancyMap(map_options);
-  field_ = LikelihoodField(map_options.cell_size_m, options_.field_sigma_m);
-  revisits_ = RevisitDetector(options_.revisit, map_options.cell_size_m, options_.field_sigma_m);
+void ScanMatcher::SetMap(const OccupancyMap& map) {
+  const double cell_size_m = map.options().cell_size_m;
+  if (cell_size_m != replica_.options().cell_size_m) {
+    replica_ = OccupancyMap(map.options());
+    field_ = LikelihoodField(cell_size_m, options_.field_sigma_m);
+    revisits_ = RevisitDetector(options_.revisit, cell_size_m, options_.field_sigma_m);
+  }
+  Apply(Difference(replica_, map));
 }
 
 void ScanMatcher::Apply(const MapDelta& delta) {

@@ -67,11 +67,9 @@ class ScanMatcher {
 
   /// Matches scans with `options` from now on. The smoothing of the field stays unchanged.
   void SetOptions(const MatcherOptions& options);
-  /// Goes on from the same pose with an empty map, which may have cells of another size. Apply the map of another
-  /// mapper as one delta with the version of the last scan.
-  ///
-  /// Errors: throws std::invalid_argument like OccupancyMap().
-  void SetMap(const MapOptions& map_options);
+  /// Goes on from the same pose with another map, which may have cells of another size. If `map` is what the next delta
+  /// would make of the replica, this is the same as Apply() of that delta.
+  void SetMap(const OccupancyMap& map);
 
   /// The pose of `scan`. The first scan's is its odometry.
   ///

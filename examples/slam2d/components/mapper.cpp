@@ -108,7 +108,9 @@ msg::MapUpdate MapperComponent::Draw(const msg::MatchedScan& message) {
   }
   if (const auto options = tuned_.News()) mapper_.SetOptions(*options);
   msg::MapUpdate update;
-  Write(mapper_.Add(Read(message.scan()), Read(message.match())), update);
+  const MapDelta delta = mapper_.Add(Read(message.scan()), Read(message.match()));
+  update.set_whole(!std::exchange(has_drawn_, true));
+  Write(update.whole() ? Whole(mapper_.map()) : delta, update);
   Write(mapper_.map().options(), *update.mutable_layout());
   *update.mutable_match() = message.match();
   *update.mutable_odometry() = message.scan().odometry();

@@ -13,6 +13,7 @@
 namespace slam2d {
 
 /// Draws the matched scans of `pre_channel` into the map and publishes the changes on `next_channel`, once per scan.
+/// Its first update has the whole map.
 ///
 /// Another instance, in any process, continues from its state bit for bit, with that instance's parameters. A changed
 /// parameter takes effect between two scans.
@@ -20,7 +21,7 @@ class MapperComponent {
  public:
   explicit MapperComponent(hgros::Context& context);
 
-  /// Tells the others with which map it begins.
+  /// Tells the matcher that it begins, and with which map.
   void Activate();
 
   [[nodiscard]] msg::MapState Save();
@@ -38,6 +39,7 @@ class MapperComponent {
 
   std::mutex mutex_;
   Mapper mapper_;
+  bool has_drawn_ = false;  // This instance.
   std::uint64_t next_scan_ = 0;
   msg::MapUpdate last_;
 };

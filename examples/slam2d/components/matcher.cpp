@@ -42,23 +42,9 @@ Matcher::Matcher(hgros::Context& context)
 
 void Matcher::Deactivate() { stop_.request_stop(); }
 
-// A mapper begins: with an empty map, or with the state of another one. If that has happened before this scan, nothing
-// is lost. Otherwise a mapper was killed, and the new one has an older map.
-void Matcher::TakeState(const msg::MapState& message) {
+// Its map comes with its first update, on the same channel as the others: between channels there is no order.
+void Matcher::TakeState(const msg::MapState& /*message*/) {
   const std::scoped_lock lock(mutex_);
-  if (!begun_ || message.next_scan() < updates_) {
-    if (begun_) {
-      context_.log().Write(hgros::LogLevel::kWarning, "A mapper goes on with the map after " +
-                                                          std::to_string(message.next_scan()) + " scans of " +
-                                                          std::to_string(updates_) + ".");
-    }
-    matcher_.SetMap(Read(message.map().layout()));
-    if (updates_ > 0) {
-      MapDelta all = Read(message.map());
-      all.version = updates_ - 1;
-      matcher_.Apply(all);
-    }
-  }
   begun_ = true;
   map_changed_.notify_all();
 }
@@ -72,7 +58,13 @@ void Matcher::TakeMap(const msg::MapUpdate& message) {
     throw std::runtime_error("The map after scan " + std::to_string(delta.version) +
                              " arrived, but the map after scan " + std::to_string(updates_) + " is next.");
   }
-  matcher_.Apply(delta);
+  if (message.whole()) {
+    OccupancyMap map(Read(message.layout()));
+    map.Apply(delta);
+    matcher_.SetMap(map);
+  } else {
+    matcher_.Apply(delta);
+  }
   ++updates_;
   map_changed_.notify_all();
 }

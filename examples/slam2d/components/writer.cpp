@@ -39,9 +39,6 @@ Writer::Writer(hgros::Context& context)
       relations_(OpenRelations(context)),
       maps_(context.Advertise<foxglove::Grid>(kMap, {.latched = 1})),
       done_(context.Advertise<msg::Done>(kDone, {.latched = 1})) {
-  context.FromAny<msg::MapState>(
-      kMapState, hgros::Invoke::kSerial,
-      FailOnException<msg::MapState>(context, [this](const msg::MapState& message) { TakeState(message); }));
   context.FromAny<msg::MapUpdate>(
       kNextChannel, hgros::Invoke::kSerial,
       FailOnException<msg::MapUpdate>(context, [this](const msg::MapUpdate& message) { Take(message); }),
@@ -65,10 +62,10 @@ void Writer::Take(const msg::MapUpdate& message) {
   latest_ = std::chrono::steady_clock::now();
   if (trajectory_.empty()) {
     first_ = shown_ = told_ = latest_;
-    map_ = OccupancyMap(Read(message.layout()));
-  } else if (message.version() <= map_.version()) {
+  } else if (!message.whole() && message.version() <= map_.version()) {
     return;  // It has been sent again.
   }
+  if (message.whole()) map_ = OccupancyMap(Read(message.layout()));
   map_.Apply(Read(message));
   if (!trajectory_.empty() && message.version() <= trajectory_.back().sequence) return;  // Drawn again.
   trajectory_.push_back(Read(message.match()));
@@ -77,15 +74,6 @@ void Writer::Take(const msg::MapUpdate& message) {
   if (latest_ - shown_ < kShowEvery) return;
   shown_ = latest_;
   ShowMap();
-}
-
-// A mapper that goes on with an older map has lost what the killed one had drawn since.
-void Writer::TakeState(const msg::MapState& message) {
-  const std::scoped_lock lock(mutex_);
-  if (!std::exchange(begun_, true) || trajectory_.empty()) return;
-  if (message.next_scan() > trajectory_.back().sequence) return;
-  map_ = OccupancyMap(Read(message.map().layout()));
-  map_.Apply(Read(message.map()));
 }
 
 void Writer::TakeEnd() {

@@ -31,7 +31,6 @@ class Writer {
 
  private:
   void Take(const msg::MapUpdate& message);
-  void TakeState(const msg::MapState& message);
   void TakeEnd();
   void ShowMap();
   void ShowProgress();
@@ -52,7 +51,6 @@ class Writer {
   OccupancyMap map_;
   std::vector<ScanMatch> trajectory_;
   std::vector<Pose2> odometry_;
-  bool begun_ = false;  // There has been a mapper.
   bool finished_ = false;
   std::chrono::steady_clock::time_point first_;
   std::chrono::steady_clock::time_point latest_;

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <hgros/testing/harness.hpp>
@@ -10,8 +12,10 @@
 #include "app/channels.hpp"
 #include "components/mapper.hpp"
 #include "components/matcher.hpp"
+#include "components/writer.hpp"
 #include "pipeline.hpp"
 #include "simulated_building.hpp"
+#include "temporary_folder.hpp"
 
 namespace slam2d {
 namespace {
@@ -116,6 +120,53 @@ TEST(MatcherComponent, FollowsAMapperThatGoesOnWithAnOlderMap) {
   for (std::size_t i = 8; i < scans.size(); ++i) go(successor, i);
   EXPECT_EQ(matcher.status().state, hgros::ComponentState::kRunning) << matcher.status().sentence;
   EXPECT_EQ(successor->Save().next_scan(), scans.size());
+}
+
+TEST(MatcherComponent, AMapperThatMovesMayTellOfItselfLate) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(60);
+  std::optional<MapperHarness> mapper(std::in_place);
+  MatcherHarness matcher;
+  const auto tell = [&] {
+    for (const auto& one : mapper->Take<msg::MapState>(kMapState)) matcher.Feed(kMapState, one);
+  };
+  tell();
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (i % 20 == 10) mapper.emplace(hgros::testing::HarnessOptions{.state = mapper->Save()});
+    matcher.Feed(kScan, scans[i].scan());
+    const auto matched = matcher.Take<msg::MatchedScan>(kPreChannel);
+    ASSERT_EQ(matched.size(), 1U) << i;
+    ASSERT_EQ(matched[0]->match().SerializeAsString(), scans[i].match().SerializeAsString()) << i;
+    mapper->Feed(kPreChannel, *matched[0]);
+    for (const auto& one : mapper->Take<msg::MapUpdate>(kNextChannel)) matcher.Feed(kNextChannel, one);
+    tell();
+  }
+}
+
+TEST(WriterComponent, FollowsAMapperThatGoesOnWithAnOlderMap) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(60);
+  const TemporaryFolder folder;
+  hgros::testing::Harness<Writer> writer({.params = "out: " + (folder / "out").string()});
+  std::optional<MapperHarness> mapper(std::in_place);
+  const auto draw = [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i <= last; ++i) mapper->Feed(kPreChannel, scans[i]);
+    for (const auto& one : mapper->Take<msg::MapUpdate>(kNextChannel)) writer.Feed(kNextChannel, one);
+  };
+  draw(0, 20);
+  const auto checkpoint = mapper->Save();
+  draw(21, 40);
+  mapper.emplace(hgros::testing::HarnessOptions{.state = checkpoint});
+  draw(40, 59);  // The matcher sends the last one again.
+  msg::MatchedScan end;
+  end.mutable_scan()->set_sequence(scans.size());
+  end.mutable_scan()->set_end_of_log(true);
+  mapper->Feed(kPreChannel, end);
+  for (const auto& one : mapper->Take<msg::MapUpdate>(kNextChannel)) writer.Feed(kNextChannel, one);
+  const auto done = writer.Take<msg::Done>(kDone);
+  ASSERT_EQ(done.size(), 1U);
+  EXPECT_EQ(done[0]->scans(), scans.size());
+  OccupancyMap map(Read((*mapper)->Save().map().layout()));
+  map.Apply(Read((*mapper)->Save().map()));
+  EXPECT_EQ(done[0]->map_hash(), HashMap(map));
 }
 
 TEST(MatcherComponent, IgnoresAnUpdateThatIsSentAgain) {

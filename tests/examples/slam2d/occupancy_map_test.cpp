@@ -106,6 +106,20 @@ TEST(OccupancyMap, ReplicaThatAppliesEveryDeltaIsEqualBitForBit) {
   }
 }
 
+TEST(OccupancyMap, TheDifferenceOfTwoMapsIsTheDeltaBetweenThem) {
+  SeededNoise noise(7);
+  OccupancyMap map;
+  for (std::uint64_t k = 0; k < 40; ++k) {
+    const OccupancyMap before = map;
+    const Pose2 pose{30.0 * noise.Uniform() - 15.0, 30.0 * noise.Uniform() - 15.0, 7.0 * noise.Uniform()};
+    const MapDelta delta = k % 5 == 4 ? map.Skip(k) : map.Integrate(RandomScan(k, noise), pose);
+    ASSERT_EQ(Difference(before, map), delta) << k;
+    OccupancyMap back = map;
+    back.Apply(Difference(map, before));
+    ASSERT_EQ(Difference(before, back).cells.size(), 0U) << k;
+  }
+}
+
 TEST(OccupancyMap, ReturnsAnEmptyDeltaWithTheNewVersionForASkippedScan) {
   OccupancyMap map;
   map.Integrate(OneBeam(2.0), {});

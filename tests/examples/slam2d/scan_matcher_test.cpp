@@ -103,7 +103,7 @@ TEST_F(OnTheWay, ScanMatcherKeepsItsFieldWhenItsOptionsChange) {
 
 TEST_F(OnTheWay, ScanMatcherGoesOnAtItsPoseWithAnotherMap) {
   ScanMatcher same = matcher_;
-  matcher_.SetMap({});
+  matcher_.SetMap(OccupancyMap());
   MapDelta none;
   none.version = same.replica().version();
   matcher_.Apply(none);
@@ -126,7 +126,7 @@ TEST(ScanMatcher, FollowsAMapWithCellsOfAnotherSize) {
     const ScanMatch match = told.Match(scan);
     EXPECT_EQ(match, pipeline.Add(scan));
     const MapDelta delta = mapper.Add(scan, match);
-    if (scan.sequence == 0) told.SetMap(coarse);
+    if (scan.sequence == 0) told.SetMap(OccupancyMap(coarse));
     told.Apply(delta);
   }
 }
