@@ -34,6 +34,9 @@ class Host {
  private:
   void Obey(Session& session, HostedComponents& components, const RunOrder& order);
   void Join(Session& session, HostedComponents& components, const RunOrder::Join& join);
+  // Adds what has too few after a while to `lacks`. False: the process ends.
+  bool AwaitSubscribers(Session& session, HostedComponents& components, const std::string& channel, std::uint64_t count,
+                        Clock::time_point deadline, std::string& lacks);
   void Await(Clock::time_point until);
 
   Reporter& reporter_;
@@ -45,20 +48,31 @@ class Host {
   bool ends_ = false;
 };
 
+bool Host::AwaitSubscribers(Session& session, HostedComponents& components, const std::string& channel,
+                            std::uint64_t count, Clock::time_point deadline, std::string& lacks) {
+  while (!session.WaitForSubscribers(channel, count, kJoinSlice)) {
+    if (pause_.signal() != 0 || !reporter_.Read()) return false;
+    RunOrder next;
+    if (reporter_.Next(next)) Obey(session, components, next);
+    if (ends_) return false;
+    if (Clock::now() < deadline) continue;
+    if (lacks.find(channel) == std::string::npos) lacks += (lacks.empty() ? "" : ", ") + channel;
+    break;
+  }
+  return true;
+}
+
 void Host::Join(Session& session, HostedComponents& components, const RunOrder::Join& join) {
-  components.Join();
   const auto deadline = Clock::now() + kJoinPatience;
   std::string lacks;
+  // In a robot that runs, messages arrive as soon as the inputs join, and what a callback publishes then shall reach
+  // all.
   for (const RunOrder::Output& output : join.outputs()) {
-    while (!session.WaitForSubscribers(output.channel(), output.subscribers(), kJoinSlice)) {
-      if (pause_.signal() != 0 || !reporter_.Read()) return;
-      RunOrder next;
-      if (reporter_.Next(next)) Obey(session, components, next);
-      if (ends_) return;
-      if (Clock::now() < deadline) continue;
-      lacks += (lacks.empty() ? "" : ", ") + output.channel();
-      break;
-    }
+    if (!AwaitSubscribers(session, components, output.channel(), output.ready(), deadline, lacks)) return;
+  }
+  components.Join();
+  for (const RunOrder::Output& output : join.outputs()) {
+    if (!AwaitSubscribers(session, components, output.channel(), output.subscribers(), deadline, lacks)) return;
   }
   if (!lacks.empty()) {
     RunReport report;

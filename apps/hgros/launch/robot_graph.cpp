@@ -152,41 +152,43 @@ void RobotGraph::CheckServices(std::vector<RobotFinding>& findings) const {
 }
 
 std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess& process) const {
-  return SubscribersOf(process, std::string_view());
+  std::map<std::string, std::size_t> subscribers;
+  for (const auto& [channel, found] : FindSubscribers(process)) subscribers[channel] = found.count();
+  return subscribers;
 }
 
 std::map<std::string, std::size_t> RobotGraph::SubscribersOfMoved(std::string_view component,
                                                                   const RobotProcess& process) const {
-  std::map<std::string, std::size_t> subscribers = SubscribersOf(process, component);
-  std::erase_if(subscribers, [&](const auto& one) {
-    const std::vector<End>& ends = outputs_.at(one.first);
-    return std::ranges::none_of(ends, [&](const End& end) { return end.name() == component; });
-  });
+  std::map<std::string, std::size_t> subscribers;
+  for (const auto& [channel, found] : FindSubscribers(process, component)) {
+    const std::vector<End>& ends = outputs_.at(channel);
+    const bool publishes = std::ranges::any_of(ends, [&](const End& end) { return end.name() == component; });
+    if (publishes) subscribers[channel] = found.count();
+  }
   return subscribers;
 }
 
-std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess& process,
-                                                             std::string_view moved) const {
+std::map<std::string, RobotGraph::Subscribers> RobotGraph::FindSubscribers(const RobotProcess& process,
+                                                                           std::string_view moved) const {
   const auto place = [&](const End& end) -> const std::string& {
     return end.name() == moved ? process.name : end.unit();
   };
-  std::map<std::string, std::size_t> subscribers;
+  std::map<std::string, Subscribers> subscribers;
   for (const auto& [channel, ends] : outputs_) {
     const bool here = std::ranges::any_of(ends, [&](const End& end) { return place(end) == process.name; });
     const auto inputs = inputs_.find(channel);
     if (!here || inputs == inputs_.end()) continue;
     const bool closed = std::ranges::binary_search(process.config.closed_channels, channel);
-    std::size_t nodes = 0;
-    std::set<std::string> others;
+    Subscribers found;
     for (const End& end : inputs->second) {
       if (place(end) == process.name) {
-        nodes += closed ? 0 : 1;
+        found.here += closed ? 0 : 1;
       } else if (const RobotProcess* other = robot_.FindProcess(place(end));
                  other != nullptr && FindEachOther(process, *other)) {
-        others.insert(other->name);
+        found.elsewhere.insert(other->name);
       }
     }
-    if (nodes + others.size() > 0) subscribers[channel] = nodes + others.size();
+    if (found.count() > 0) subscribers[channel] = std::move(found);
   }
   return subscribers;
 }

@@ -32,8 +32,17 @@ class RobotGraph {
 
   /// Types that do not fit, and channels and services that have only one end.
   [[nodiscard]] std::vector<RobotFinding> Check() const;
-  /// The channels on which a process publishes, with the number of their subscribers in the robot: nodes of the process
-  /// itself, and other processes that it can find.
+  struct Subscribers {
+    std::size_t here = 0;               ///< Nodes of the process itself.
+    std::set<std::string> elsewhere{};  ///< Other processes that it can find.
+
+    [[nodiscard]] std::size_t count() const noexcept { return here + elsewhere.size(); }
+  };
+  /// The channels on which a process publishes, with their subscribers in the robot, if there are any. `moved`: a
+  /// component that runs in that process, whatever the file says of it.
+  [[nodiscard]] std::map<std::string, Subscribers> FindSubscribers(const RobotProcess& process,
+                                                                   std::string_view moved = {}) const;
+  /// Their number.
   [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process) const;
   /// The same of the outputs of one component, if that ran in the process.
   [[nodiscard]] std::map<std::string, std::size_t> SubscribersOfMoved(std::string_view component,
@@ -65,9 +74,6 @@ class RobotGraph {
   };
   using Pairs = std::map<std::string, std::vector<Pair>>;
 
-  // With one component in that process, whatever the file says of it.
-  [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process,
-                                                                 std::string_view moved) const;
   void Add(const RobotProgram& program);
   // Whether an endpoint of the process names the channel.
   [[nodiscard]] bool IsListed(const End& end, const std::string& channel) const;

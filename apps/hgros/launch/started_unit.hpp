@@ -12,6 +12,7 @@
 
 #include "hgros/placement/robot_file.hpp"
 #include "launch/restart_pauses.hpp"
+#include "launch/robot_graph.hpp"
 #include "launch/run.pb.h"
 #include "launch/unit_process.hpp"
 
@@ -53,6 +54,7 @@ struct StartedUnit {
   bool failed = false;                          ///< A component of it, or its end.
   bool reported = false;                        ///< Its first failure.
 
+  [[nodiscard]] bool has_joined() const noexcept { return stage >= UnitStage::kJoined && stage < UnitStage::kEnds; }
   /// Of one that runs: adds what its starter waits for. `reads`: also its reports.
   void AddTo(std::vector<pollfd>& watched, bool reads) const {
     if (over_at == Clock::time_point::max()) watched.push_back({running->end_descriptor(), POLLIN, 0});
@@ -71,6 +73,20 @@ struct StartedUnit {
   void Send(const RunOrder& order) {
     running->stream().Add(order);
     (void)running->stream().Write();  // If nobody reads it, the end of the process follows.
+  }
+  /// Its components are constructed, and may join. Those of a robot that runs wait for the others that have joined.
+  void Join(const RobotGraph& graph, const std::vector<StartedUnit>& units) {
+    RunOrder order;
+    RunOrder::Join& join = *order.mutable_join();
+    for (const auto& [channel, subscribers] : graph.FindSubscribers(*process)) {
+      RunOrder::Output& output = *join.add_outputs();
+      output.set_channel(channel);
+      output.set_subscribers(subscribers.count());
+      for (const StartedUnit& one : units) {
+        if (one.has_joined() && subscribers.elsewhere.contains(one.setup->name)) output.set_ready(output.ready() + 1);
+      }
+    }
+    Send(order);
   }
   /// Its components have joined, and may run.
   void Release() {

@@ -137,7 +137,7 @@ void Starter::Advance() {
   if (!joining_ && all(Stage::kConstructed)) {
     joining_ = true;
     for (Unit& unit : units_) {
-      if (unit.process != nullptr) SendJoin(unit);
+      if (unit.process != nullptr) unit.Join(graph_, units_);
     }
   }
   if (joining_ && all(Stage::kJoined)) {
@@ -150,17 +150,6 @@ void Starter::Advance() {
     if (ending_) return;
     log_.ShowStates(statuses());
   }
-}
-
-void Starter::SendJoin(Unit& unit) {
-  RunOrder order;
-  RunOrder::Join& join = *order.mutable_join();
-  for (const auto& [channel, subscribers] : graph_.SubscribersOf(*unit.process)) {
-    RunOrder::Output& output = *join.add_outputs();
-    output.set_channel(channel);
-    output.set_subscribers(subscribers);
-  }
-  unit.Send(order);
 }
 
 // --- hearing ---
@@ -224,7 +213,7 @@ void Starter::Take(Unit& unit, const RunReport& report) {
                    : report.stage() == RunReport::JOINED    ? Stage::kJoined
                                                             : Stage::kRunning;
       if (!released_) return;  // Advance() lets all go on together.
-      if (unit.stage == Stage::kConstructed) SendJoin(unit);
+      if (unit.stage == Stage::kConstructed) unit.Join(graph_, units_);
       if (unit.stage == Stage::kJoined) unit.Release();
       return;
     case RunReport::kComponent: return TakeComponent(unit, report.component());

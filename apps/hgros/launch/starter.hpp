@@ -86,7 +86,6 @@ class Starter {
   // Lets the units go on together: all join when all are constructed, and run when all have joined.
   void Advance();
   void SayWhatIsLate();
-  void SendJoin(Unit& unit);
 
   // Everything ends, the last ones first. `why` is said; empty: the user knows.
   void EndAll(const std::string& why, int code);

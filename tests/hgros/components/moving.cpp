@@ -52,10 +52,14 @@ class Passing {
   explicit Passing(hgros::Context& context)
       : context_(context),
         bytes_(static_cast<std::size_t>(context.Declare("bytes", 0, {.least = 0}))),
+        tells_(context.Declare("tells", false)),
         passed_(context.Advertise<KeyValuePair>("passed")) {
     (void)context.Declare("activate", true);
     context.FromAny<KeyValuePair>("number", hgros::Invoke::kSerial,
                                   [this](const KeyValuePair& message) {
+                                    if (tells_ && passes_++ == 0) {
+                                      context_.log().Write(hgros::LogLevel::kInfo, "passes from " + message.value());
+                                    }
                                     ++count_;
                                     (void)passed_.Wait(std::make_unique<KeyValuePair>(message),
                                                        std::chrono::steady_clock::now() + std::chrono::seconds(10));
@@ -84,7 +88,9 @@ class Passing {
  private:
   hgros::Context& context_;
   const std::size_t bytes_;
+  const bool tells_;  // With which message it begins.
   hgros::Publisher<KeyValuePair> passed_;
+  long long passes_ = 0;
   long long count_ = 0;
   bool begun_ = false;
 };

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <future>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,36 @@ TEST(HgrosCheckpoint, AKilledProcessGoesOnFromTheLastCheckpoint) {
   EXPECT_TRUE(robot.Prints("begins at 2."));
   robot.Say("three");
   EXPECT_TRUE(robot.Prints("counts 3."));
+}
+
+// Its messages arrive at once, but the one that takes what it publishes has no time to connect.
+TEST(HgrosCheckpoint, WhatAKilledProcessPublishesWhenItIsBackReachesAll) {
+  RunningRobot robot(
+      "components:\n"
+      "  counting: {type: moving/Counting}\n"
+      "  passing: {type: moving/Passing, params: {tells: true}}\n"
+      "  judging: {type: moving/Judging}\n"
+      "processes:\n"
+      "  p: {components: [passing], restart: on-failure}\n"
+      "  q: {components: [judging]}\n");
+  ASSERT_TRUE(robot.Prints("judging   has 1000."));
+  const pid_t passing = PidsIn(robot.out()).at(0);
+  const pid_t judging = PidsIn(robot.out()).at(1);
+  ASSERT_EQ(kill(judging, SIGSTOP), 0);
+  ASSERT_EQ(kill(passing, SIGKILL), 0);
+  const auto first = [&] {
+    std::smatch found;
+    const std::string out = robot.out();
+    const bool told = std::regex_search(out, found, std::regex("is started again[\\s\\S]*passes from (\\d+)"));
+    return told ? std::stoi(found[1]) : 0;
+  };
+  (void)test::Await([&] { return first() > 0; }, std::chrono::seconds(1));
+  ASSERT_EQ(kill(judging, SIGCONT), 0);
+  ASSERT_TRUE(test::Await([&] { return first() > 0; })) << robot.out();
+  EXPECT_TRUE(test::Await([&] {
+    return std::regex_search(robot.out(),
+                             std::regex("judging +warning: lost \\d+ to " + std::to_string(first() - 1) + "\\b"));
+  })) << robot.out();
 }
 
 TEST(HgrosCheckpoint, ARestartOnRequestLosesNothing) {
