@@ -116,6 +116,8 @@ namespace Hgros {
     [DllImport(Library)]
     internal static extern int hgros_session_log(SessionHandle session, int level, string text);
     [DllImport(Library)]
+    internal static extern int hgros_session_log_limited(SessionHandle session, int level, string alike, string text);
+    [DllImport(Library)]
     internal static extern int hgros_session_set_log_level(SessionHandle session, int level);
     [DllImport(Library)]
     internal static extern int hgros_session_wait_for_subscribers(SessionHandle session, string channel,

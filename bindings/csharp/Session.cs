@@ -85,7 +85,8 @@ namespace Hgros {
     /// <summary>The session's id, as MessageInfo.Publisher of its messages has it.</summary>
     public ulong Id => Native.hgros_session_id(handle);
 
-    /// <summary>The number of exceptions that callbacks of the session did not catch. Each one is in the log.</summary>
+    /// <summary>The number of exceptions that callbacks of the session did not catch. The log has lines about
+    /// them: ten, then fewer and fewer.</summary>
     public long FailedCallbacks => Interlocked.Read(ref failedCallbacks);
 
     /// <summary>Writes a line into the session's log.</summary>
@@ -150,7 +151,7 @@ namespace Hgros {
     internal void Run(string what, Action callback) => Callbacks.Run(callback, exception => {
       Interlocked.Increment(ref failedCallbacks);
       string line = Texts.Mended((what + " threw " + exception).Replace(Environment.NewLine, " "));
-      Native.hgros_session_log(handle, (int)LogLevel.Error, line);
+      Native.hgros_session_log_limited(handle, (int)LogLevel.Error, Texts.Mended(what), line);
     });
   }
 }

@@ -19,6 +19,9 @@
 namespace hgros::c {
 
 inline constexpr std::string_view kSessionClosed = "The session has ended.";
+inline constexpr std::string_view kOfParent =
+    "It belongs to the session of another process, from which this one was forked. Make a session after the fork, and "
+    "use that.";
 // What errors name in place of a line of source.
 inline constexpr CallSite kFromC{"a call of the C interface"};
 
@@ -37,10 +40,14 @@ class InvalidArgument : public std::exception {
  private:
   std::string sentence_;
 };
-// The session has ended; becomes HGROS_CLOSED.
+// The session cannot be used any more; becomes HGROS_CLOSED.
 class SessionClosed : public std::exception {
  public:
-  [[nodiscard]] const char* what() const noexcept override { return kSessionClosed.data(); }
+  explicit SessionClosed(std::string_view why) : why_(why) {}
+  [[nodiscard]] const char* what() const noexcept override { return why_.data(); }
+
+ private:
+  std::string_view why_;  // A constant.
 };
 [[noreturn]] void RefuseNull(const char* argument);
 

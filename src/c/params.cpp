@@ -52,7 +52,8 @@ hgros_status UseParams(hgros_params* params, F&& use) {
       try {
         use(of);
       } catch (const ParamError&) {
-        if (held->stop().stop_requested()) throw SessionClosed();  // Which is why another session was not reached.
+        if (held->stop().stop_requested())
+          throw SessionClosed(kSessionClosed);  // Which is why another session was not reached.
         throw;
       }
       return hgros_status{HGROS_OK};

@@ -27,12 +27,13 @@ struct hgros_loan {
 namespace hgros::c {
 namespace {
 
-hgros_status StatusOf(PublishStatus status, const std::string& channel) noexcept {
+hgros_status StatusOf(PublishStatus status, const Publishing& on) noexcept {
+  const std::string& channel = on.channel;
   switch (status) {
     case PublishStatus::kOk: return HGROS_OK;
     case PublishStatus::kFull: return Fail(HGROS_FULL, {"A lossless subscriber of channel ", channel, " has no room."});
     case PublishStatus::kStopped:
-    case PublishStatus::kClosed: return Fail(HGROS_CLOSED, kSessionClosed);
+    case PublishStatus::kClosed: return Fail(HGROS_CLOSED, on.life->why_closed());
     case PublishStatus::kWouldDeadlock:
       return Fail(HGROS_WOULD_DEADLOCK, {"A callback may not wait for room on channel ", channel,
                                          ". Publish with a timeout of 0, or on another thread."});
@@ -86,7 +87,7 @@ hgros_status hgros_publish(const hgros_publisher* publisher, const void* data, s
 hgros_status hgros_publish_wait(const hgros_publisher* publisher, const void* data, size_t size, int64_t timeout_ns) {
   return c::Guarded([&] {
     const c::Publishing& on = *c::Given(publisher, "publisher").of;
-    return c::StatusOf(c::PublishIn(on, c::Borrowed(data, size), timeout_ns), on.channel);
+    return c::StatusOf(c::PublishIn(on, c::Borrowed(data, size), timeout_ns), on);
   });
 }
 
@@ -99,7 +100,7 @@ hgros_status hgros_publish_borrowed(const hgros_publisher* publisher, const void
     const c::Publishing& on = *c::Given(publisher, "publisher").of;
     const hgros::PublishStatus status = c::PublishIn(on, payload, timeout_ns);
     if (c::MayBeRepeated(status)) kept->GiveBack();  // Nobody got the message, so nobody else has it.
-    return c::StatusOf(status, on.channel);
+    return c::StatusOf(status, on);
   });
 }
 
@@ -128,7 +129,7 @@ hgros_status hgros_loan_publish(hgros_loan* loan, int64_t timeout_ns) {
     hgros_loan& lent = c::Given(loan, "loan");
     if (!lent.block) return c::Fail(HGROS_INVALID_ARGUMENT, "The loan was published before. Open a new one.");
     const c::Publishing& on = *lent.of;
-    const hgros_status status = c::StatusOf(c::PublishIn(on, lent.block->payload(), timeout_ns), on.channel);
+    const hgros_status status = c::StatusOf(c::PublishIn(on, lent.block->payload(), timeout_ns), on);
     if (status == HGROS_OK) lent.block.reset();
     return status;
   });

@@ -63,7 +63,7 @@ hgros_status RequestDesk::Take(std::int64_t timeout_ns, hgros_message*& request,
   const auto deadline = DeadlineIn(Timeout(timeout_ns));
   auto place = std::make_unique<hgros_reply>();
   for (;;) {
-    if (life_->closed()) return Fail(HGROS_CLOSED, kSessionClosed);
+    if (life_->closed()) return Fail(HGROS_CLOSED, life_->why_closed());
     {
       const std::scoped_lock lock(mutex_);
       if (ended_) return Fail(HGROS_CLOSED, kEnded);

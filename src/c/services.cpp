@@ -44,7 +44,7 @@ MessageSchema SchemaOrAny(const hgros_schema* schema) { return schema == nullptr
 
 hgros_status Reply(hgros_reply& reply, Answer answer) {
   if (reply.replied) throw InvalidArgument("The request has its reply already.");
-  if (reply.desk && reply.desk->in_forked_child()) return Fail(HGROS_CLOSED, kSessionClosed);
+  if (reply.desk && reply.desk->in_forked_child()) return Fail(HGROS_CLOSED, kOfParent);
   if (!reply.desk) {
     reply.answer = std::move(answer);
   } else if (!reply.desk->Reply(reply.number, std::move(answer))) {

@@ -1,6 +1,7 @@
 #include "hgros/c/session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 
@@ -11,6 +12,8 @@
 
 namespace hgros::c {
 namespace {
+
+constexpr std::chrono::seconds kSayAgainAfter{10};
 
 LogLevel LevelOf(std::int32_t level) {
   if (level < HGROS_LOG_DEBUG || level > HGROS_LOG_ERROR) {
@@ -151,6 +154,17 @@ hgros_status hgros_session_log(const hgros_session* session, int32_t level, cons
       [&] { c::Given(session, "session").session->log().Write(c::LevelOf(level), c::Text(text, "text")); });
 }
 
+hgros_status hgros_session_log_limited(const hgros_session* session, int32_t level, const char* alike,
+                                       const char* text) {
+  return c::Guarded([&] {
+    // The library's own keys are other ones.
+    const std::string key = "program " + std::string(c::Text(alike, "alike"));
+    c::Given(session, "session")
+        .session->log()
+        .WriteLimited(c::LevelOf(level), key, c::Text(text, "text"), c::kSayAgainAfter);
+  });
+}
+
 hgros_status hgros_session_set_log_level(const hgros_session* session, int32_t level) {
   return c::Guarded([&] { c::Given(session, "session").session->log().SetLevel(c::LevelOf(level)); });
 }
@@ -161,7 +175,7 @@ hgros_status hgros_session_wait_for_subscribers(const hgros_session* session, co
     const std::string_view name = c::Text(channel, "channel");
     const hgros_session& on = c::Opened(session);
     if (on.session->WaitForSubscribers(name, count, c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
-    if (on.life->closed()) return c::Fail(HGROS_CLOSED, c::kSessionClosed);
+    if (on.life->closed()) return c::Fail(HGROS_CLOSED, on.life->why_closed());
     return c::Fail(HGROS_TIMED_OUT,
                    "Channel " + std::string(name) + " has less than " + std::to_string(count) + " subscribers.");
   });
@@ -173,7 +187,7 @@ hgros_status hgros_session_wait_for_publishers(const hgros_session* session, con
     const std::string_view name = c::Text(channel, "channel");
     const hgros_session& on = c::Opened(session);
     if (on.session->WaitForPublishers(name, count, c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
-    if (on.life->closed()) return c::Fail(HGROS_CLOSED, c::kSessionClosed);
+    if (on.life->closed()) return c::Fail(HGROS_CLOSED, on.life->why_closed());
     return c::Fail(HGROS_TIMED_OUT, "Less than " + std::to_string(count) + " other sessions publish on channel " +
                                         std::string(name) + ".");
   });

@@ -136,7 +136,7 @@ hgros_status Take(hgros_subscription& queue, std::int64_t timeout_ns, hgros_mess
   const auto deadline = DeadlineIn(Timeout(timeout_ns));
   auto lease = std::make_unique<hgros_message>();
   for (;;) {
-    if (queue.life->closed()) return Fail(HGROS_CLOSED, kSessionClosed);
+    if (queue.life->closed()) return Fail(HGROS_CLOSED, queue.life->why_closed());
     hgros_message* const outer = std::exchange(taken_here, lease.get());
     const std::size_t run = queue.subscription->RunWaiting();
     taken_here = outer;

@@ -1,7 +1,7 @@
 #include "hgros/clock/derived_clocks.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -9,6 +9,11 @@
 #include "hgros/clock/system_clocks.hpp"
 
 namespace hgros {
+namespace {
+
+constexpr double kMostRate = 1e6;  // A day per 86 ms. A clock that runs out of its range cannot be followed.
+
+}  // namespace
 
 DerivedClock::DerivedClock(Time start, std::shared_ptr<Clock> source, bool paused)
     : source_(source != nullptr ? std::move(source) : std::make_shared<SteadyClock>()) {
@@ -101,9 +106,10 @@ void DerivedClock::Replace(ClockLine line, std::optional<Duration> jump) {
 }
 
 void SimulatedClock::SetRate(double rate) {
-  if (!(rate > 0.0) || !std::isfinite(rate)) {
-    throw Error("A clock cannot run at the rate " + std::to_string(rate) + ".", {},
-                "Give a rate above zero; Pause() stops the clock.");
+  if (!(rate > 0.0) || rate > kMostRate) {
+    std::ostringstream text;
+    text << "A clock cannot run at the rate " << rate << ".";
+    throw Error(text.str(), {}, "Give a rate above zero, up to a million; Pause() stops the clock.");
   }
   ChangePace([rate](ClockLine& line) { line.rate = rate; });
 }

@@ -1,9 +1,10 @@
+#include "c/held.hpp"
+
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <thread>
 
-#include "c/handles.hpp"
 #include "support/await.hpp"
 
 namespace hgros::c {

@@ -109,6 +109,13 @@ TEST(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
   EXPECT_EQ(hgros_session_log(opened, HGROS_LOG_INFO, "not written"), HGROS_OK);
   EXPECT_EQ(hgros_session_log(opened, HGROS_LOG_WARNING, "written"), HGROS_OK);
   EXPECT_EQ(hgros_session_log(opened, 17, "x"), HGROS_INVALID_ARGUMENT);
+  for (int i = 0; i < 100; ++i) {
+    const std::string line = "again " + std::to_string(i);
+    EXPECT_EQ(hgros_session_log_limited(opened, HGROS_LOG_WARNING, "again", line.c_str()), HGROS_OK);
+  }
+  EXPECT_EQ(hgros_session_log_limited(opened, HGROS_LOG_WARNING, nullptr, "x"), HGROS_INVALID_ARGUMENT);
+  EXPECT_TRUE(sink.lines.Contain("again 9"));
+  EXPECT_FALSE(sink.lines.Contain("again 10"));
   EXPECT_TRUE(sink.lines.Contain("written"));
   EXPECT_FALSE(sink.lines.Contain("not written"));
   hgros_session_close(opened);

@@ -70,6 +70,7 @@ TEST(SimulatedClock, RefusesInvalidRatesAndStepsBack) {
   EXPECT_THROW(clock.SetRate(-1), Error);
   EXPECT_THROW(clock.SetRate(std::nan("")), Error);
   EXPECT_THROW(clock.SetRate(INFINITY), Error);
+  EXPECT_THROW(clock.SetRate(1e300), Error);
   EXPECT_THROW(clock.Step(-1ns), Error);
   EXPECT_EQ(clock.rate(), 1.0);
 }
@@ -164,7 +165,7 @@ TEST(SleepUntil, LastsLongerWhenTheClockJumpsBack) {
 TEST(SleepUntil, EndsAfterAPausedClockResumes) {
   const auto clock = SimulatedClock::Paused();
   std::jthread sleeping([&] { EXPECT_TRUE(SleepUntil(*clock, Time{} + 1h)); });
-  clock->SetRate(1e9);
+  clock->SetRate(1e6);
   clock->Resume();
   sleeping.join();
 }

@@ -284,6 +284,16 @@ test('CallbacksAreCalledInOrderAndMayFail', async (t) => {
   subscription.close();
 });
 
+test('WhatFailsAgainAndAgainIsSoonOnlyCounted', async (t) => {
+  const lines = [];
+  const session = open(t, { log: (level, line) => lines.push(`${level}: ${line}`) });
+  session.subscribe('words', LOG, { keepAll: 100 }, ({ message }) => { throw new Error(message.message); });
+  const publisher = session.advertise('words', LOG);
+  for (let i = 0; i < 100; ++i) publisher.publish({ message: `no ${i}` });
+  await until('all have failed', () => session.failures === 100);
+  assert.strictEqual(lines.filter((line) => line.includes('"words"')).length, 10);
+});
+
 test('WhatWaitsIsWoken', async (t) => {
   const session = open(t);
   const [closed, ended, late] = [session.subscribe('a'), session.subscribe('b'), session.subscribe('d')];

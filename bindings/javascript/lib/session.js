@@ -57,11 +57,11 @@ class Session {
     } catch (error) {
       ++this.#failures;
       const text = `${what} failed: ${error?.stack ?? error}`.replace(/\s+/g, ' ').replaceAll('\0', '');
-      if (this.#closing === undefined) native.log(this.#external, levelOf('error'), text);
+      if (this.#closing === undefined) native.log(this.#external, levelOf('error'), text, what);
     }
   }
 
-  /** The number of exceptions of callbacks. Each is also in the log. */
+  /** The number of exceptions of callbacks. The log has lines about them: ten of a callback, then fewer and fewer. */
   get failures() {
     return this.#failures;
   }

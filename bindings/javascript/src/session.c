@@ -119,14 +119,18 @@ static napi_value SessionNow(napi_env napi, napi_callback_info info) {
   return session != NULL ? BigTime(napi, hgros_session_now(session)) : NULL;
 }
 
-// log(session, level, text)
+// log(session, level, text, alike): `alike` is undefined for lines that do not repeat.
 static napi_value WriteLog(napi_env napi, napi_callback_info info) {
-  napi_value arguments[3];
-  Arguments(napi, info, 3, arguments);
+  napi_value arguments[4];
+  Arguments(napi, info, 4, arguments);
   hgros_session* const session = SessionIn(napi, arguments[0]);
   if (session == NULL) return NULL;
+  const int32_t level = (int32_t)NumberOf(napi, arguments[1]);
   char* const text = TextOf(napi, arguments[2]);
-  const hgros_status status = hgros_session_log(session, (int32_t)NumberOf(napi, arguments[1]), text);
+  char* const alike = TextOf(napi, arguments[3]);
+  const hgros_status status =
+      alike == NULL ? hgros_session_log(session, level, text) : hgros_session_log_limited(session, level, alike, text);
+  free(alike);
   free(text);
   return Checked(napi, status);
 }

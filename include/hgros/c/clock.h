@@ -64,7 +64,7 @@ int64_t hgros_simulated_clock_now(hgros_simulated_clock* clock);
 hgros_status hgros_simulated_clock_step(hgros_simulated_clock* clock, int64_t time_ns);
 /// Shows `time_ns` from now on: a jump, which timers move along with.
 hgros_status hgros_simulated_clock_jump(hgros_simulated_clock* clock, int64_t time_ns);
-/// Seconds of this clock per second. Errors: HGROS_ERROR unless it is above zero and finite.
+/// Seconds of this clock per second. Errors: HGROS_ERROR unless it is above zero, up to a million.
 hgros_status hgros_simulated_clock_set_rate(hgros_simulated_clock* clock, double rate);
 hgros_status hgros_simulated_clock_pause(hgros_simulated_clock* clock);
 hgros_status hgros_simulated_clock_resume(hgros_simulated_clock* clock);

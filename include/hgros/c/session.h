@@ -64,6 +64,11 @@ hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeo
 
 /// Writes a line into the session's log. Control characters are the caller's concern.
 hgros_status hgros_session_log(const hgros_session* session, int32_t level, const char* text);
+/// The same for lines that may repeat, such as those of failed callbacks. `alike` names lines that are alike: ten of them
+/// are written, but the same one only once in 10 s; then one in 10 s, in 20 s, and so on. A line says how many were held
+/// back before it.
+hgros_status hgros_session_log_limited(const hgros_session* session, int32_t level, const char* alike,
+                                       const char* text);
 /// Lines below `level` are not written from now on.
 hgros_status hgros_session_set_log_level(const hgros_session* session, int32_t level);
 

@@ -64,7 +64,7 @@ class HGROS_EXPORT RelativeClock final : public DerivedClock {
 /// The time of a simulation or a recording. Starts at `start` and runs at rate 1 until one of the functions below
 /// changes that.
 ///
-/// Errors: throws Error for a rate that is not positive and finite, and for a step back.
+/// Errors: throws Error for a rate that is not positive or above a million, and for a step back.
 class HGROS_EXPORT SimulatedClock final : public DerivedClock {
  public:
   explicit SimulatedClock(Time start = {}, std::shared_ptr<Clock> source = nullptr)

@@ -95,6 +95,11 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStopped) {
   EXPECT_EQ(robot.Ask({"stop"}).status, 0);
   for (const pid_t pid : pids) EXPECT_FALSE(Runs(pid));
   EXPECT_EQ(robot.Ask({"ps"}).out, "");
+  for (const std::string& domain : std::vector<std::string>{"a b", "..", std::string(300, 'x'), "a/b"}) {
+    const CommandEnd refused = RunToEnd({"ps"}, {{"HGROS_DOMAIN", domain}});
+    EXPECT_EQ(refused.status, 1) << domain;
+    EXPECT_THAT(refused.err, HasSubstr("HGROS_DOMAIN sets it")) << domain;
+  }
   EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("No robot was started here by this user in the domain"));
 }
 

@@ -72,6 +72,7 @@ final class HgrosC {
   static native long hgros_session_name(long session);
   static native long hgros_session_id(long session);
   static native int hgros_session_log(long session, int level, String text);
+  static native int hgros_session_log_limited(long session, int level, String alike, String text);
   static native int hgros_session_wait_for_subscribers(long session, String channel, long count, long timeout_ns);
   static native int hgros_session_wait_for_publishers(long session, String channel, long count, long timeout_ns);
 

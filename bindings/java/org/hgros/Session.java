@@ -134,10 +134,11 @@ public final class Session implements AutoCloseable {
     handle.call(session -> HgrosC.hgros_session_log(session, level.ordinal(), line));
   }
 
-  /** Writes what a callback has thrown into the log. */
+  /** Writes what a callback has thrown into the log: ten times for each `what`, then less and less often. */
   void report(String what, Throwable thrown) {
+    String line = (what + ": " + described(thrown) + ".").replaceAll("\\p{Cntrl}", " ");
     try {
-      log(LogLevel.ERROR, (what + ": " + described(thrown) + ".").replaceAll("\\p{Cntrl}", " "));
+      handle.call(session -> HgrosC.hgros_session_log_limited(session, LogLevel.ERROR.ordinal(), what, line));
     } catch (HgrosException e) {
       // The session is closed, and so is its log.
     }

@@ -272,6 +272,12 @@ extern "C" {
         level: i32,
         text: *const c_char,
     ) -> hgros_status;
+    pub fn hgros_session_log_limited(
+        session: *const hgros_session,
+        level: i32,
+        alike: *const c_char,
+        text: *const c_char,
+    ) -> hgros_status;
     pub fn hgros_session_set_log_level(session: *const hgros_session, level: i32) -> hgros_status;
     pub fn hgros_session_wait_for_subscribers(
         session: *const hgros_session,

@@ -39,14 +39,23 @@ impl CallbackReports {
         self.failures.load(Ordering::Relaxed)
     }
 
-    /// Counts a failure, and writes a line about it into the session's log.
-    pub fn report(&self, line: &str) {
+    /// Counts a failure, and writes a line about it into the session's log. Of those of one `what` that come again and
+    /// again, the log has fewer and fewer.
+    pub fn report(&self, what: &str, line: &str) {
         self.failures.fetch_add(1, Ordering::Relaxed);
         if let Some(target) = &*lock(&self.session) {
             let line = sentence(&line.replace(char::is_control, " "));
+            let alike = sentence(&what.replace(char::is_control, " "));
             // SAFETY: the session is not closed while this thread has the lock. If the line cannot be written, the
             // count still tells.
-            unsafe { sys::hgros_session_log(target.0, sys::HGROS_LOG_ERROR, line.as_ptr()) };
+            unsafe {
+                sys::hgros_session_log_limited(
+                    target.0,
+                    sys::HGROS_LOG_ERROR,
+                    alike.as_ptr(),
+                    line.as_ptr(),
+                )
+            };
         }
     }
 }
@@ -90,10 +99,8 @@ impl<F: Send + Sync + 'static> Callback<F> {
         let owned = Box::from_raw(user.cast::<Self>());
         let reports = Arc::clone(&owned.reports);
         if let Err(panicked) = catch_unwind(AssertUnwindSafe(|| drop(owned))) {
-            reports.report(&format!(
-                "Destroying a callback panicked: {}",
-                panic_text(panicked)
-            ));
+            let what = "Destroying a callback";
+            reports.report(what, &format!("{what} panicked: {}", panic_text(panicked)));
         }
     }
 
@@ -102,7 +109,7 @@ impl<F: Send + Sync + 'static> Callback<F> {
         // A closure that has panicked is called again: what it shares with the program is the program's concern.
         self.catch(call).map_err(|text| {
             let line = format!("{} panicked: {text}", self.what);
-            self.reports.report(&line);
+            self.reports.report(&self.what, &line);
             line
         })
     }

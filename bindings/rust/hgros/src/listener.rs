@@ -33,7 +33,7 @@ impl Session {
         let reports = Arc::clone(&self.reports);
         let decode = move |message: &Message| match message.decode() {
             Ok(decoded) => callback(decoded),
-            Err(error) => reports.report(error.sentence()),
+            Err(error) => reports.report("A message that cannot be read", error.sentence()),
         };
         self.listen(channel, Some(&Schema::of::<T>()?), &options.into(), decode)
     }

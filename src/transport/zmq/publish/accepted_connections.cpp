@@ -54,9 +54,13 @@ std::size_t AcceptedConnections::MostOfOneAddress() noexcept {
   return static_cast<std::size_t>(std::clamp<rlim_t>(files.rlim_cur / 4, 1, kMostOfAny));
 }
 
-std::string AcceptedConnections::OriginOf(int fd) const {
+bool AcceptedConnections::HasAddress(int fd) const {
   const auto found = connections_.find(fd);
-  if (found != connections_.end() && !found->second.address.empty()) return found->second.address;
+  return found != connections_.end() && !found->second.address.empty();
+}
+
+std::string AcceptedConnections::OriginOf(int fd) const {
+  if (HasAddress(fd)) return connections_.at(fd).address;
   return bound_.starts_with("ipc:") ? "this host" : "a host whose address is not known any more";
 }
 

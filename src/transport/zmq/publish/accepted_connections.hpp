@@ -57,6 +57,8 @@ class AcceptedConnections {
   [[nodiscard]] bool Add(int fd, std::string address, SteadyTime now);
   void Remove(int fd);
   void Clear();
+  /// The address of its program is known.
+  [[nodiscard]] bool HasAddress(int fd) const;
   /// Where it comes from, for the log.
   [[nodiscard]] std::string OriginOf(int fd) const;
   /// It is that of a session. False if it is that of another one: then the connection was closed.

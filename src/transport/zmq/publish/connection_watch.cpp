@@ -161,8 +161,9 @@ void ConnectionWatch::OnHandshakeFailed(int fd, std::int32_t failure) {
     return;
   }
   shared_.refused_handshakes.fetch_add(1, std::memory_order_relaxed);
+  // The address may be known for one connection of a program and not for its next: lines of both kinds are limited.
   const std::string from = connections_.OriginOf(fd);
-  shared_.log.WriteLimited(LogLevel::kWarning, "zmq keys " + bound_,
+  shared_.log.WriteLimited(LogLevel::kWarning, (connections_.HasAddress(fd) ? "zmq keys " : "zmq keys, gone ") + bound_,
                            "A program on " + from + " cannot connect to " + bound_ + ": " + std::string(why) + ".",
                            kSayAgainAfter);
 }
