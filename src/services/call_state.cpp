@@ -64,10 +64,7 @@ void CallState::Finish(std::unique_lock<std::mutex> lock, CallEnd end) {
   lock.unlock();
   changed_.notify_all();
   if (!callback) return;
-  auto answered = std::make_shared<const AnsweredCall>(AnsweredCall{std::move(callback), end_});
-  // Fails only while the session shuts down. Then the callback runs here: on the thread that closes the session, or on
-  // the caller's thread if its call was refused.
-  if (!table_->Answer(answered)) answered->callback(answered->end);
+  table_->Answer(std::make_shared<const AnsweredCall>(AnsweredCall{std::move(callback), end_}));
 }
 
 void CallState::Refuse(CallFailure failure) { Finish({nullptr, std::move(failure)}); }

@@ -1,5 +1,9 @@
 #include "services/call_table.hpp"
 
+#include <exception>
+#include <string>
+
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/system_limits.hpp"
 #include "hgros/clock/time.hpp"
 
@@ -101,16 +105,28 @@ void CallTable::SetAnswers(Publisher<AnsweredCall> answers) {
   answers_ = std::move(answers);
 }
 
-bool CallTable::Answer(const std::shared_ptr<const AnsweredCall>& answered) {
+void CallTable::Answer(const std::shared_ptr<const AnsweredCall>& answered) {
   Publisher<AnsweredCall> answers;
   {
     const std::scoped_lock lock(mutex_);
     answers = answers_;
   }
   answering_.fetch_add(1, std::memory_order_relaxed);
-  if (answers(answered) == PublishStatus::kOk) return true;
+  if (answers(answered) == PublishStatus::kOk) return;
   answering_.fetch_sub(1, std::memory_order_relaxed);
-  return false;
+  const auto failed = [this](const char* what) {
+    log_->WriteLimited(LogLevel::kError, "answer callback",
+                       std::string("The callback of a call threw: ") + what + ". The call has ended.");
+  };
+  try {
+    answered->callback(answered->end);
+  } catch (const std::exception& error) {
+    failed(error.what());
+  } catch (const ForcedUnwind&) {
+    EndAfterForcedUnwind(*log_, "The callback of a call");
+  } catch (...) {
+    failed("something that is not a std::exception");
+  }
 }
 
 void CallTable::Loop(const std::stop_token& stop) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "hgros/base/fork_guard.hpp"
+#include "hgros/base/log.hpp"
 #include "hgros/graph/publisher.hpp"
 #include "services/call_state.hpp"
 
@@ -30,7 +31,8 @@ class CallTable {
   // Maximum number of pending calls, including ended ones whose callbacks have not run yet.
   static constexpr std::size_t kMaxCalls = 65536;
 
-  explicit CallTable(std::shared_ptr<const ForkGuard> fork) : fork_(std::move(fork)) {}
+  CallTable(std::shared_ptr<const ForkGuard> fork, std::shared_ptr<Log> log)
+      : fork_(std::move(fork)), log_(std::move(log)) {}
   CallTable(const CallTable&) = delete;
   CallTable& operator=(const CallTable&) = delete;
   ~CallTable();
@@ -47,10 +49,10 @@ class CallTable {
   // Then no call may be ended or waited for.
   [[nodiscard]] bool in_forked_child() const noexcept { return fork_->IsChild(); }
 
-  // Callbacks run on the node behind `answers`, which calls Answered() for each.
+  // Callbacks run on the node behind `answers`, which calls Answered() for each. While the session shuts down they run
+  // here: on the thread that closes it, or on the caller's thread if its call was refused.
   void SetAnswers(Publisher<AnsweredCall> answers);
-  // False while the session shuts down.
-  [[nodiscard]] bool Answer(const std::shared_ptr<const AnsweredCall>& answered);
+  void Answer(const std::shared_ptr<const AnsweredCall>& answered);
   void Answered() noexcept { answering_.fetch_sub(1, std::memory_order_relaxed); }
 
  private:
@@ -60,6 +62,7 @@ class CallTable {
   [[nodiscard]] std::shared_ptr<CallState> Remove(std::uint64_t number);
 
   const std::shared_ptr<const ForkGuard> fork_;
+  const std::shared_ptr<Log> log_;
   mutable std::mutex mutex_;
   bool closed_ = false;
   std::uint64_t last_number_ = 0;

@@ -69,7 +69,7 @@ void RequireServiceName(std::string_view service) {
 Services::Services(ServicePlace& place, SessionId id, std::shared_ptr<Log> log)
     : id_(id),
       log_(std::move(log)),
-      calls_(std::make_shared<CallTable>(fork_)),
+      calls_(std::make_shared<CallTable>(fork_, log_)),
       waiting_callers_(std::make_shared<WaitingCallers>()),
       place_(&place) {}
 

@@ -1,6 +1,7 @@
 // The end of a service and of its session.
 #include <atomic>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 
 #include "services/services_fixture.hpp"
@@ -72,6 +73,18 @@ TEST_F(ServiceEnd, OfTheSessionFailsPendingCalls) {
   door.Open();
   end.join();
   EXPECT_TRUE(call.done());
+}
+
+TEST_F(ServiceEnd, OfTheSessionLogsWhatTheCallbacksOfItsCallsThrow) {
+  test::Robot robot({}, "caller");
+  const auto throwing = [](const CallResult<Total>& result) {
+    if (!result) throw std::runtime_error(result.failure().reason);
+  };
+  (void)robot.session->Call<Sum, Total>("unserved", Sum{}, kLong, throwing);
+  (void)robot.session->Call<Sum, Total>("unserved", Sum{}, kLong, [](const CallResult<Total>&) { throw 7; });
+  robot.session.reset();
+  EXPECT_TRUE(robot.Said("The session ended while"));
+  EXPECT_TRUE(robot.Said("something that is not a std::exception"));
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ class HGROS_EXPORT SessionServices {
     return CallFuture<Reply>(CallTyped<Request, Reply>(name, std::forward<M>(request), timeout, {}));
   }
   /// The same; `callback` is called once with the result, on a worker of the graph. For calls that are left when the
-  /// session ends, the thread that ends it calls `callback`.
+  /// session ends, the thread that ends it calls `callback`. What it throws is logged.
   template <class Request, class Reply, class M, std::invocable<const CallResult<Reply>&> F>
   CallTicket Call(std::string_view name, M&& request, std::chrono::nanoseconds timeout, F&& callback) {
     return CallTicket(
