@@ -108,6 +108,12 @@ TEST(HgrosPub, OffersNoChannelForItself) {
               HasSubstr("because its subscribers take any type. Name it with --type"));
 }
 
+TEST(HgrosPub, RefusesChannelsOfTheLibrary) {
+  const CommandEnd end = RunToEnd({"pub", "hgros/clock", "{}", "--type", "foxglove.Log"});
+  EXPECT_EQ(end.status, 2);
+  EXPECT_THAT(end.err, testing::StartsWith("hgros: Channels that begin with \"hgros/\" belong to the library"));
+}
+
 TEST(HgrosPub, NamesTheNearestChannelFieldAndType) {
   RobotForCommands robot;
   const Heard heard(robot.session(), "wish");

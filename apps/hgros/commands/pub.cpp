@@ -212,6 +212,9 @@ class Pub final : public Command {
 };
 
 void Pub::CheckOptions() const {
+  if (options_.channel.starts_with("hgros/")) {
+    throw UsageError("Channels that begin with \"hgros/\" belong to the library: a program cannot publish on them.");
+  }
   if (!options_.file.empty() && !options_.message.empty()) {
     throw UsageError("--file gives the messages, so no message can be written in the command line.");
   }

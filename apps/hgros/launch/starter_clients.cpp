@@ -4,8 +4,10 @@
 #include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "arguments/command.hpp"
+#include "hgros/base/names.hpp"
 #include "launch/starter.hpp"
 
 namespace hgros::cli {
@@ -75,11 +77,20 @@ void StarterClients::Take(Client& client, const RobotRequest& request) {
   }
 }
 
+std::string StarterClients::Unknown(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const RobotReply::Unit& unit : starter_.statuses()) {
+    names.push_back(unit.name());
+    for (const RobotReply::Component& one : unit.components()) names.push_back(one.name());
+  }
+  const std::string nearest = NearestName(name, names);
+  return "The robot has no component, process or program \"" + name + "\"." +
+         (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?");
+}
+
 void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
   for (const std::string& name : logs.names()) {
-    if (starter_.UnitOf(name).empty()) {
-      return SendEnd(client, kFailed, "The robot has no component, process or program \"" + name + "\".");
-    }
+    if (starter_.UnitOf(name).empty()) return SendEnd(client, kFailed, Unknown(name));
     client.names.insert(name);
   }
   for (const LogLine& line : starter_.lines().all()) {
@@ -91,9 +102,7 @@ void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
 
 void StarterClients::TakeRestart(Client& client, const std::string& name) {
   const std::string unit = starter_.UnitOf(name);
-  if (unit.empty()) {
-    return SendEnd(client, kFailed, "The robot has no component, process or program \"" + name + "\".");
-  }
+  if (unit.empty()) return SendEnd(client, kFailed, Unknown(name));
   if (starter_.mover().Moves(name))
     return SendEnd(client, kFailed, "\"" + name + "\" moves at this moment. Try again.");
   if (!starter_.released()) {

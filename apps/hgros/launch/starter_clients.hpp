@@ -51,6 +51,8 @@ class StarterClients {
   };
 
   void RefuseLast(const std::string& why);
+  // That it names nothing of the robot.
+  [[nodiscard]] std::string Unknown(const std::string& name) const;
   void Take(Client& client, const RobotRequest& request);
   void TakeLogs(Client& client, const RobotRequest::Logs& logs);
   void TakeRestart(Client& client, const std::string& name);

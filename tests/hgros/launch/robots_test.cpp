@@ -137,6 +137,7 @@ TEST(HgrosRobots, RestartsProcessesAndPrograms) {
   EXPECT_THAT(robot.Ask({"ps"}).out, AllOf(ContainsRegex("a +relay/Does +p +[0-9]+  running +1"),
                                            ContainsRegex("sleeps +[0-9]+  running +1")));
   EXPECT_THAT(robot.Ask({"restart", "c"}).err, HasSubstr("no component, process or program \"c\""));
+  EXPECT_THAT(robot.Ask({"restart", "sleps"}).err, HasSubstr("Did you mean \"sleeps\"?"));
 }
 
 TEST(HgrosRobots, RestartsNothingWhileTheRobotStarts) {
