@@ -154,26 +154,33 @@ std::vector<ControlAnswer> AskSessions(Session& session, std::span<const Session
 }
 
 // An answer is behind the messages that were sent before the question. So those that waited here then need another one.
+// Some never answer, such as those with `control: off`. They are waited for while a lossless subscriber lacks
+// something.
 bool SessionParts::AwaitReceived(std::span<const std::string> channels,
                                  std::chrono::steady_clock::time_point deadline) {
   SessionCore& asker = core();
   for (;;) {
     bool waiting = false;
+    std::vector<std::shared_ptr<ChannelOutlet>> outlets;
     std::vector<SessionId> subscribers;
     for (const std::string& channel : channels) {
       const auto outlet = asker.outbound_.Find(channel);
       if (!outlet) continue;
+      outlets.push_back(outlet);
       waiting = waiting || HasWaiting(*outlet);
       for (const SessionId one : outlet->Subscribers()) {
         if (std::ranges::find(subscribers, one) == subscribers.end()) subscribers.push_back(one);
       }
     }
+    bool answered = subscribers.empty();
     const auto answers_by = DeadlineIn(kAnswersIn);
     if (!subscribers.empty() && asker.asking().Enter(answers_by)) {
       const std::shared_ptr<OneAtATime> leaves(&asker.asking(), [](OneAtATime* asking) { asking->Leave(); });
-      (void)Ask(asker, subscribers, {ControlAction::kDescribe, channels.front()}, AskWay::kMessages, answers_by);
+      const auto answers =
+          Ask(asker, subscribers, {ControlAction::kDescribe, channels.front()}, AskWay::kMessages, answers_by);
+      answered = std::ranges::all_of(answers, &ControlAnswer::answered);
     }
-    if (!waiting) return true;
+    if (!waiting && (answered || std::ranges::none_of(outlets, &ChannelOutlet::HasUnfinished))) return true;
     if (std::chrono::steady_clock::now() > deadline) return false;
   }
 }

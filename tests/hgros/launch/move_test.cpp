@@ -141,6 +141,36 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothing) {
                                  Not(HasSubstr("error"))));
 }
 
+// What the old place has published comes before what the new one does.
+TEST(HgrosMove, WaitsForALosslessSubscriberThatStandsStill) {
+  MovingRobot robot(
+      "components:\n"
+      "  counting: {type: moving/Counting}\n"
+      "  passing: {type: moving/Passing}\n"
+      "  judging: {type: moving/Judging}\n"
+      "processes:\n"
+      "  takes: {components: [judging]}\n"
+      "  a: {components: [passing]}\n"
+      "  b: {}\n");
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  const pid_t takes = robot.PidOf("takes");
+  ASSERT_EQ(kill(takes, SIGSTOP), 0);
+  auto moves = std::async(std::launch::async, [&] { return robot.Move("b"); });
+  test::Linger(std::chrono::milliseconds(600));
+  ASSERT_EQ(kill(takes, SIGCONT), 0);
+  EXPECT_EQ(moves.get().status, 0) << robot.out();
+  EXPECT_TRUE(robot.Ask());
+  ASSERT_EQ(kill(takes, SIGSTOP), 0);
+  const CommandEnd refused = robot.Move("a");
+  ASSERT_EQ(kill(takes, SIGCONT), 0);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("its subscribers let messages wait"));
+  EXPECT_TRUE(robot.Ask());
+  EXPECT_EQ(robot.Places(), std::vector<std::string>{"b"});
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  robot.End();
+}
+
 // A session stays a publisher when its component has left, so the old place counts the new one.
 TEST(HgrosMove, AComponentFollowsItsPublisherToAPlaceWhichThatHasLeft) {
   MovingRobot robot(

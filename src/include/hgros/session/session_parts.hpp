@@ -39,8 +39,8 @@ class SessionParts {
   // long as the subscription. What comes before may come over those of an earlier subscription. Not in a callback.
   [[nodiscard]] bool SettleInput(std::string_view channel, std::chrono::nanoseconds timeout) const;
   // Waits until the sessions that receive these channels have taken over what was published before: what others publish
-  // from then on, they receive behind it. False if messages still wait here at the deadline, because a subscriber lets
-  // them. A session that does not answer within 200 ms is not waited for. Not in a callback.
+  // from then on, they receive behind it. False if that is not so at the deadline, because a subscriber lets messages
+  // wait. Keep-last subscribers that do not answer within 200 ms are not waited for. Not in a callback.
   [[nodiscard]] bool AwaitReceived(std::span<const std::string> channels,
                                    std::chrono::steady_clock::time_point deadline);
   // Services of another session end now, and are served here. It is no fault that it still announces them for a while.
