@@ -484,6 +484,19 @@ TEST_F(HostilePeer, RefusesASessionIdThatIsInUse) {
   EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
 }
 
+TEST_F(HostilePeer, AWelcomeAfterTheEndIsIgnored) {
+  FalsePeer peer(place, SessionId{1});
+  ASSERT_TRUE(peer.Meet());
+  wire::PairMessage bye;
+  bye.mutable_bye()->set_reason("x");
+  wire::PairMessage welcome;
+  welcome.mutable_welcome();
+  ASSERT_TRUE(Await([&] { return victim->transport->Peers().size() == 2; }));
+  for (const auto& one : {bye, welcome, bye, welcome}) peer.Say(one);
+  EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
+  ExpectHonestUndisturbed();
+}
+
 TEST_F(HostilePeer, TheSmallerIdChoosesAmongConnections) {
   const SessionId smaller{1};
   FalsePeer first(place, smaller);

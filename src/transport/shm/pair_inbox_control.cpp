@@ -51,6 +51,7 @@ void PairInbox::Beat() noexcept {
 
 std::shared_ptr<InLink> PairInbox::AddLink(const std::shared_ptr<InboundCore>& core) {
   const std::scoped_lock lock(mutex_);
+  if (!slip_) return nullptr;  // The pair has ended.
   auto link = std::make_shared<InLink>();
   link->core = core;
   link->receipt = Receipt::Make(slip_);

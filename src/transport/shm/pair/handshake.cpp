@@ -44,7 +44,7 @@ Handshake::Outcome Handshake::OnHello(Pair& pair, PairSocket::Frame& frame) {
 
 Handshake::Outcome Handshake::OnWelcome(const Pair& pair) const {
   const SessionId peer = pair.facts.info.id;
-  if (!pair.greeted || pair.alive || session_.self.info.id.value < peer.value) {
+  if (!pair.greeted || pair.alive || pair.ending || session_.self.info.id.value < peer.value) {
     return {.step = Outcome::Step::kLie, .reason = "it chooses the connection, and that is not its task"};
   }
   Outcome outcome{.step = Outcome::Step::kBegin};
