@@ -4,6 +4,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <string>
@@ -23,12 +24,13 @@ Reporter::~Reporter() { close(wakes_); }
 
 void Reporter::Tell(const RunReport& report) {
   const std::scoped_lock lock(mutex_);
-  if (report.has_line() && stream_.unsent() > kMostUnsentBytes) {
+  if (report.has_line() && TooManyLines()) {
     ++lost_;
     return;
   }
   TellLost();
   stream_.Add(report);
+  if (report.has_line()) unsent_line_bytes_ += report.ByteSizeLong();
   if (stream_.Write() && stream_.unsent() > 0) Wake();
 }
 
@@ -94,8 +96,14 @@ bool Reporter::full() {
   return stream_.unsent() > kMostUnsentBytes;
 }
 
+// States may be larger, and are on the way for a moment only.
+bool Reporter::TooManyLines() {
+  if (stream_.unsent() == 0) unsent_line_bytes_ = 0;
+  return std::min(unsent_line_bytes_, stream_.unsent()) > kMostUnsentBytes;
+}
+
 void Reporter::TellLost() {
-  if (lost_ == 0 || stream_.unsent() > kMostUnsentBytes) return;
+  if (lost_ == 0 || TooManyLines()) return;
   RunReport lost;
   lost.set_lost(std::exchange(lost_, 0));
   stream_.Add(lost);

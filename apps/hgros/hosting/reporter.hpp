@@ -36,7 +36,7 @@ class Reporter final : public ComponentReports {
   /// At the end: waits until the starter has all that was told, at most for a second.
   void Flush() noexcept;
   [[nodiscard]] bool unsent();
-  /// Whether so much waits to be written that lines are lost.
+  /// Whether so much waits to be written that no state is added.
   [[nodiscard]] bool full() override;
 
   /// Orders. The stream's two directions share nothing.
@@ -44,12 +44,14 @@ class Reporter final : public ComponentReports {
   [[nodiscard]] bool Next(RunOrder& order) { return stream_.Next(order); }
 
  private:
+  [[nodiscard]] bool TooManyLines();
   // As soon as there is room again.
   void TellLost();
 
   std::mutex mutex_;
   MessageStream stream_;
   const int wakes_;
+  std::size_t unsent_line_bytes_ = 0;  // At most: since everything was sent.
   std::uint64_t lost_ = 0;
 };
 

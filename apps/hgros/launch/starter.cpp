@@ -231,7 +231,7 @@ void Starter::Take(Unit& unit, const RunReport& report) {
           "Not all subscribers of " + report.lacks() + " were connected after 10 s. They miss the first messages.");
     case RunReport::kLost:
       return Say(unit, LogLevel::kWarning,
-                 std::to_string(report.lost()) + " lines of the log were lost, because hgros run was stopped.");
+                 std::to_string(report.lost()) + " lines of the log were lost, because hgros run did not read them in time.");
     case RunReport::REPORT_NOT_SET: return;
   }
 }

@@ -122,6 +122,16 @@ TEST(HgrosCheckpoint, ARestartOnRequestLosesNothingOfALargeState) {
   EXPECT_TRUE(robot.Prints("begins at 1."));
 }
 
+TEST(HgrosCheckpoint, LargeStatesCostNoLinesOfTheLog) {
+  RunningRobot robot(
+      "components:\n"
+      "  counting: {type: moving/Counting}\n"
+      "  counter: {type: relay/Counter, remap: {word: number}, checkpoint: 50ms, params: {ballast_bytes: 20000000}}\n"
+      "processes: {p: {components: [counter]}}\n");
+  ASSERT_TRUE(robot.Prints("counts 3000."));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("lines of the log were lost")));
+}
+
 TEST(HgrosCheckpoint, AComponentThatCannotBeConstructedAgainEndsNoOther) {
   RunningRobot robot(
       "components:\n"
