@@ -42,6 +42,7 @@ void StarterClients::Serve() {
     client.gone = !client.stream->Read();
     RobotRequest request;
     while (client.stream->unsent() <= kMostUnreadBytes && client.stream->Next(request)) Take(client, request);
+    if (!client.restarts_later.empty()) TakeRestart(client, std::exchange(client.restarts_later, {}));
     if (!client.restarts.empty()) AnswerRestart(client);
     if (!client.moves.empty()) AnswerMove(client);
     if (!client.stream->Write() || client.stream->unsent() > kMostUnreadBytes) client.gone = true;
@@ -103,8 +104,10 @@ void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
 void StarterClients::TakeRestart(Client& client, const std::string& name) {
   const std::string unit = starter_.UnitOf(name);
   if (unit.empty()) return SendEnd(client, kFailed, Unknown(name));
-  if (starter_.mover().Moves(name))
-    return SendEnd(client, kFailed, "\"" + name + "\" moves at this moment. Try again.");
+  if (starter_.mover().Moves(name)) {  // Its old place still hands messages over.
+    client.restarts_later = name;
+    return;
+  }
   if (!starter_.released()) {
     return SendEnd(client, kFailed, "The robot still starts, or ends already. `hgros ps` shows when it runs.");
   }

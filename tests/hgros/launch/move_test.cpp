@@ -141,6 +141,19 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothing) {
                                  Not(HasSubstr("error"))));
 }
 
+TEST(HgrosMove, ARestartWaitsForTheEndOfTheMove) {
+  MovingRobot robot;
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  for (const std::string to : {"b", "c", "b"}) {
+    EXPECT_EQ(robot.Move(to).status, 0) << robot.out();
+    const CommandEnd restart = robot.Command({"restart", "passing"});
+    EXPECT_EQ(restart.status, 0) << restart.err;
+    EXPECT_EQ(robot.Places(), std::vector{to});
+  }
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  robot.End();
+}
+
 // What the old place has published comes before what the new one does.
 TEST(HgrosMove, WaitsForALosslessSubscriberThatStandsStill) {
   MovingRobot robot(
