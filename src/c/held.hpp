@@ -47,7 +47,8 @@ class Held final : public Dependent {
       if (object != nullptr) ++uses_;
     }
     if (object == nullptr) {
-      return Fail(HGROS_CLOSED, fork_.IsChild() ? kOfParent : "The session has ended, or this handle was closed before.");
+      return Fail(HGROS_CLOSED,
+                  fork_.IsChild() ? kOfParent : "The session has ended, or this handle was closed before.");
     }
     const auto leave = [this](T*) {
       const std::scoped_lock lock(mutex_);

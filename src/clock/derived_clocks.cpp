@@ -1,6 +1,7 @@
 #include "hgros/clock/derived_clocks.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -66,8 +67,19 @@ void DerivedClock::ChangePace(const std::function<void(ClockLine&)>& change) {
     line_.source = source_now;
     change(line_);
   }
+  TellChange(nullptr);
+}
+
+void DerivedClock::TellChange(const ClockJump* jump) {
+  const auto wake = [](WaitingRoom* waiting) { waiting->WakeAll(); };
+  const std::unique_ptr<WaitingRoom, decltype(wake)> wakes(&waiting_, wake);  // Also if a listener throws.
+  try {
+    if (jump != nullptr) listeners_.Tell(*jump);
+  } catch (...) {
+    changes_.Tell({});
+    throw;
+  }
   changes_.Tell({});
-  waiting_.WakeAll();
 }
 
 void DerivedClock::Jump(Time after) {
@@ -80,9 +92,7 @@ void DerivedClock::Jump(Time after) {
     line_.shown = after;
     jumped_ += jump.after - jump.before;
   }
-  listeners_.Tell(jump);
-  changes_.Tell({});
-  waiting_.WakeAll();
+  TellChange(&jump);
 }
 
 void DerivedClock::Replace(ClockLine line, std::optional<Duration> jump) {
@@ -100,9 +110,7 @@ void DerivedClock::Replace(ClockLine line, std::optional<Duration> jump) {
     line_ = line;
     jumped_ += leap;
   }
-  if (leap != Duration::zero()) listeners_.Tell(told);
-  changes_.Tell({});
-  waiting_.WakeAll();
+  TellChange(leap != Duration::zero() ? &told : nullptr);
 }
 
 void SimulatedClock::SetRate(double rate) {

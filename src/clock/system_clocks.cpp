@@ -10,6 +10,7 @@
 
 #include "clock/wall_jump_watch.hpp"
 #include "clock/wall_offset.hpp"
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/fork_guard.hpp"
 #include "hgros/internal/clock/waiting_room.hpp"
 
@@ -83,7 +84,17 @@ struct SystemClock::State {
   void TellJump() {
     const ClockReading reading = Read();
     const Duration jump = reading.jumped - std::exchange(told, reading.jumped);
-    if (jump != Duration::zero()) listeners.Tell({reading.now - jump, reading.now});
+    try {
+      if (jump != Duration::zero()) listeners.Tell({reading.now - jump, reading.now});
+    } catch (const std::exception& error) {
+      SayOf(LogLevel::kError, std::string("A callback for jumps of the system's clock threw: ") + error.what());
+    } catch (const ForcedUnwind&) {
+      Log to(log ? log : DefaultLogSink());
+      EndAfterForcedUnwind(to, "A callback for jumps of the system's clock");
+    } catch (...) {
+      SayOf(LogLevel::kError,
+            "A callback for jumps of the system's clock threw something that is not a std::exception.");
+    }
     waiting.WakeAll();
   }
 

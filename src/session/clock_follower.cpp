@@ -1,9 +1,10 @@
 #include "session/clock_follower.hpp"
 
 #include <chrono>
-#include <cmath>
+#include <exception>
 #include <utility>
 
+#include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/readable_text.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/discovery/announcement.hpp"
@@ -88,9 +89,9 @@ void ClockFollower::Apply(Heard heard) {
                              Seconds(followed_->state.reading.elapsed() - heard.state.reading.elapsed()) +
                              " without saying that it jumped. It is taken as a jump. Let it add its jumps to jumped_ns "
                              "(docs/wire-protocol.md).");
-      clock_->FollowAnother(heard.state);
+      Set([&] { clock_->FollowAnother(heard.state); });
     } else {
-      clock_->Follow(heard.state);
+      Set([&] { clock_->Follow(heard.state); });
     }
     followed_ = std::move(heard);
     if (ended) End();
@@ -138,15 +139,31 @@ void ClockFollower::SayIfNoneWasHeard() {
       "wait. Start the program that publishes the clock (ClockPublisher), or remove `time: simulated`.");
 }
 
+void ClockFollower::Set(const std::function<void()>& set) {
+  constexpr const char* kWho = "A callback for jumps of the session's clock";
+  const auto failed = [&](const char* what) {
+    log_->WriteLimited(LogLevel::kError, "clock callback", std::string(kWho) + " threw: " + what + ".");
+  };
+  try {
+    set();
+  } catch (const std::exception& error) {
+    failed(error.what());
+  } catch (const ForcedUnwind&) {
+    EndAfterForcedUnwind(*log_, kWho);
+  } catch (...) {
+    failed("something that is not a std::exception");
+  }
+}
+
 void ClockFollower::Begin(Heard heard) {
   heard_any_ = true;
   followed_ = std::move(heard);
-  clock_->FollowAnother(followed_->state);
+  Set([&] { clock_->FollowAnother(followed_->state); });
 }
 
 void ClockFollower::End() {
   followed_.reset();
-  clock_->Pause();
+  Set([&] { clock_->Pause(); });
   if (!rival_) return;
   Begin(*std::exchange(rival_, std::nullopt));
 }

@@ -58,6 +58,8 @@ class ClockFollower {
   void Apply(Heard heard);
   void Begin(Heard heard);
   void End();
+  // Sets the clock. What a listener of its jumps throws is logged.
+  void Set(const std::function<void()>& set);
   void Report(const Heard& other);
 
   const std::shared_ptr<FollowingClock> clock_;

@@ -22,6 +22,16 @@ TEST(Listeners, AreToldInTheirOrder) {
   EXPECT_EQ(told, (std::vector{1, -1, 2, -2}));
 }
 
+TEST(Listeners, AreAllToldAlthoughOneThrows) {
+  Listeners<int> listeners;
+  int told = 0;
+  const Listening first = listeners.Add([](int) { throw std::runtime_error("the first"); });
+  const Listening second = listeners.Add([](int) { throw std::logic_error("the second"); });
+  const Listening third = listeners.Add([&](int event) { told = event; });
+  EXPECT_THROW(listeners.Tell(7), std::runtime_error);
+  EXPECT_EQ(told, 7);
+}
+
 // The telling thread keeps its list of them a moment longer.
 TEST(Listeners, DestroyTheCapturesBeforeTheirEndReturns) {
   Listeners<int> listeners;

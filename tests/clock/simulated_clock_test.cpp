@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -90,6 +91,16 @@ TEST(SimulatedClock, ReportsItsJumpsToListeners) {
   listening.Reset();
   clock->JumpTo(Time{});
   EXPECT_EQ(jumps.size(), 2U);
+}
+
+TEST(SimulatedClock, AListenerThatThrowsKeepsNobodyAsleep) {
+  const auto clock = SimulatedClock::Paused(Time{} + 100s);
+  const Listening listening = clock->OnJump([](const ClockJump&) { throw std::runtime_error("jump"); });
+  std::jthread sleeping([&] { EXPECT_TRUE(SleepUntil(*clock, Time{} + 110s)); });
+  test::Linger(10ms);
+  EXPECT_THROW(clock->JumpTo(Time{} + 200s), std::runtime_error);
+  EXPECT_EQ(clock->Now(), Time{} + 200s);
+  sleeping.join();
 }
 
 TEST(SimulatedClock, ListenerMayEndItselfAndJumpAgain) {

@@ -82,6 +82,7 @@ struct hgros::CustomCodec<hgros_test::Foreign> {
 template <>
 struct hgros::CustomCodec<hgros_test::PlainButCustom> {
   static std::string TypeName() { return "test.PlainButCustom"; }
+  static std::size_t MemoryBytes(const hgros_test::PlainButCustom&) { throw std::out_of_range("no size"); }
   static bool Serialize(const hgros_test::PlainButCustom& value, std::string& bytes) {
     bytes = std::to_string(value.value);
     return true;
@@ -169,6 +170,8 @@ TEST(CustomCodec, WritesAndReadsAnUnmodifiedType) {
   EXPECT_EQ(TypeOf<Foreign>().fingerprint, 77U);
   const Foreign five{{1, 2, 3, 4, 5}};
   EXPECT_EQ(TypeOf<Foreign>().memory_bytes(&five), 20U);
+  const PlainButCustom plain{};
+  EXPECT_EQ(TypeOf<PlainButCustom>().memory_bytes(&plain), sizeof plain) << "although its codec throws";
 }
 
 TEST(CustomCodec, MayRefuseToWriteAndToRead) {

@@ -172,6 +172,23 @@ TEST_F(SessionClock, WakesSleepersAndPausesWhenThePublishedClockEnds) {
   EXPECT_TRUE(Shows(*robot.session, kStart + 1s)) << "another simulation begins";
 }
 
+TEST_F(SessionClock, AListenerThatThrowsIsLoggedAndKeepsNobodyAsleep) {
+  const Robot simulation("");
+  Robot robot(kSimulated);
+  const auto clock = SimulatedClock::Paused(kStart);
+  const ClockPublisher publisher(*simulation.session, clock);
+  ASSERT_TRUE(Shows(*robot.session, kStart));
+  const Listening throwing = robot->clock()->OnJump([](const ClockJump&) { throw std::runtime_error("no jumps"); });
+  std::atomic<bool> told{false};
+  const Listening telling = robot->clock()->OnJump([&](const ClockJump&) { told = true; });
+  std::jthread sleeper([&] { EXPECT_TRUE(SleepUntil(*robot->clock(), kStart + 24h)); });
+  test::Linger(10ms);
+  clock->JumpTo(kStart + 25h);
+  sleeper.join();
+  EXPECT_TRUE(Await([&] { return told.load(); }));
+  EXPECT_TRUE(Await([&] { return robot.Said("session's clock threw: no jumps"); }));
+}
+
 TEST_F(SessionClock, PausesWhenItsPublisherIsGoneAndFollowsTheNextOne) {
   Robot robot(kSimulated);
   std::optional<Robot> simulation(std::in_place, "", "first");

@@ -51,7 +51,8 @@ class HGROS_EXPORT Clock {
   virtual void Wait(Sleeper& sleeper, const ClockReading& seen, Time due) = 0;
 
   /// Calls `callback` after each jump: on the thread that made the clock jump, before sleeping threads wake up; for the
-  /// system's clock on a thread of its own. The callback must not wait for other users of the clock.
+  /// system's clock on a thread of its own. The callback must not wait for other users of the clock. What it throws
+  /// reaches who made the clock jump, after all other callbacks; for the system's and a session's clock it is logged.
   [[nodiscard]] virtual Listening OnJump(JumpCallback callback) = 0;
 };
 

@@ -42,6 +42,7 @@ class HGROS_EXPORT DerivedClock : public Clock {
 
  private:
   struct Changed {};
+  void TellChange(const ClockJump* jump);
 
   const std::shared_ptr<Clock> source_;
   mutable std::mutex mutex_;

@@ -31,8 +31,9 @@ namespace hgros {
 ///       static std::shared_ptr<const Scan> Decode(const Payload& payload);       // null: not a scan
 ///
 /// Optional: `static std::uint64_t Fingerprint()` (of the layout; the default 0 is never compared), `static std::size_t
-/// MemoryBytes(const Scan&)` (default: sizeof), and `using Schema = SomeProtobufMessage;` if the bytes are that
-/// protobuf message: name, fingerprint and schema are then those of the message, and the encoding is kProtobuf.
+/// MemoryBytes(const Scan&)` (default, also if it throws: sizeof), and `using Schema = SomeProtobufMessage;` if the
+/// bytes are that protobuf message: name, fingerprint and schema are then those of the message, and the encoding is
+/// kProtobuf.
 ///
 /// Threading: all functions may be called from any thread. An exception counts as failure. If Serialize throws
 /// std::bad_alloc, publishing returns kNoMemory. If Encode does, the message stays in its session, and this is counted
@@ -102,7 +103,11 @@ struct CustomTraits {
     if constexpr (requires {
                     { Codec::MemoryBytes(message) } -> std::convertible_to<std::size_t>;
                   }) {
-      return Codec::MemoryBytes(message);
+      try {
+        return Codec::MemoryBytes(message);
+      } catch (...) {  // Publishing goes on.
+        return sizeof(T);
+      }
     } else {
       return sizeof(T);
     }

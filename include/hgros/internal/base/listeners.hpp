@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cxxabi.h>
+
 #include <algorithm>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -95,13 +98,24 @@ class Listeners {
     });
   }
 
+  /// Calls all, also if one throws; then rethrows what the first of these threw.
   void Tell(const Event& event) const {
     std::vector<std::shared_ptr<Place>> places;
     {
       const std::scoped_lock lock(list_->mutex);
       places = list_->places;
     }
-    for (const std::shared_ptr<Place>& place : places) place->Call(event);
+    std::exception_ptr thrown;
+    for (const std::shared_ptr<Place>& place : places) {
+      try {
+        place->Call(event);
+      } catch (const abi::__forced_unwind&) {  // The thread ends.
+        throw;
+      } catch (...) {
+        if (!thrown) thrown = std::current_exception();
+      }
+    }
+    if (thrown) std::rethrow_exception(thrown);
   }
 
  private:
