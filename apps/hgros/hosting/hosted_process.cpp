@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <set>
 #include <string>
 
 #include "hosting/component_moves.hpp"
@@ -36,7 +37,7 @@ class Host {
   void Join(Session& session, HostedComponents& components, const RunOrder::Join& join);
   // Adds what has too few after a while to `lacks`. False: the process ends.
   bool AwaitSubscribers(Session& session, HostedComponents& components, const std::string& channel, std::uint64_t count,
-                        Clock::time_point deadline, std::string& lacks);
+                        Clock::time_point deadline, std::set<std::string>& lacks);
   void Await(Clock::time_point until);
 
   Reporter& reporter_;
@@ -49,14 +50,14 @@ class Host {
 };
 
 bool Host::AwaitSubscribers(Session& session, HostedComponents& components, const std::string& channel,
-                            std::uint64_t count, Clock::time_point deadline, std::string& lacks) {
+                            std::uint64_t count, Clock::time_point deadline, std::set<std::string>& lacks) {
   while (!session.WaitForSubscribers(channel, count, kJoinSlice)) {
     if (pause_.signal() != 0 || !reporter_.Read()) return false;
     RunOrder next;
     if (reporter_.Next(next)) Obey(session, components, next);
     if (ends_) return false;
     if (Clock::now() < deadline) continue;
-    if (lacks.find(channel) == std::string::npos) lacks += (lacks.empty() ? "" : ", ") + channel;
+    lacks.insert(channel);
     break;
   }
   return true;
@@ -64,7 +65,7 @@ bool Host::AwaitSubscribers(Session& session, HostedComponents& components, cons
 
 void Host::Join(Session& session, HostedComponents& components, const RunOrder::Join& join) {
   const auto deadline = Clock::now() + kJoinPatience;
-  std::string lacks;
+  std::set<std::string> lacks;
   // In a robot that runs, messages arrive as soon as the inputs join, and what a callback publishes then shall reach
   // all.
   for (const RunOrder::Output& output : join.outputs()) {
@@ -75,8 +76,10 @@ void Host::Join(Session& session, HostedComponents& components, const RunOrder::
     if (!AwaitSubscribers(session, components, output.channel(), output.subscribers(), deadline, lacks)) return;
   }
   if (!lacks.empty()) {
+    std::string all;
+    for (const std::string& one : lacks) all += (all.empty() ? "" : ", ") + one;
     RunReport report;
-    report.set_lacks(lacks);
+    report.set_lacks(all);
     reporter_.Tell(report);
   }
   reporter_.Stage(RunReport::JOINED);

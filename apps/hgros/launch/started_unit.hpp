@@ -54,7 +54,9 @@ struct StartedUnit {
   bool failed = false;                          ///< A component of it, or its end.
   bool reported = false;                        ///< Its first failure.
 
-  [[nodiscard]] bool has_joined() const noexcept { return stage >= UnitStage::kJoined && stage < UnitStage::kEnds; }
+  [[nodiscard]] bool has_joined() const noexcept {
+    return stage >= UnitStage::kJoined && stage < UnitStage::kEnds && !again;
+  }
   /// Of one that runs: adds what its starter waits for. `reads`: also its reports.
   void AddTo(std::vector<pollfd>& watched, bool reads) const {
     if (over_at == Clock::time_point::max()) watched.push_back({running->end_descriptor(), POLLIN, 0});
@@ -83,7 +85,9 @@ struct StartedUnit {
       output.set_channel(channel);
       output.set_subscribers(subscribers.count());
       for (const StartedUnit& one : units) {
-        if (one.has_joined() && subscribers.elsewhere.contains(one.setup->name)) output.set_ready(output.ready() + 1);
+        if (!subscribers.elsewhere.contains(one.setup->name)) continue;
+        if (one.has_joined()) output.set_ready(output.ready() + 1);
+        if (one.stage == UnitStage::kEnded) output.set_subscribers(output.subscribers() - 1);
       }
     }
     Send(order);

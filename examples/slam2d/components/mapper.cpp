@@ -97,7 +97,7 @@ void MapperComponent::TakeMatch(const msg::MatchedScan& message) {
 msg::MapUpdate MapperComponent::Draw(const msg::MatchedScan& message) {
   const std::scoped_lock lock(mutex_);
   const std::uint64_t scan = message.scan().sequence();
-  if (scan + 1 == next_scan_) return last_;  // The matcher has no answer yet: perhaps it was lost.
+  if (scan + 1 == next_scan_) return Answer();  // The matcher has no answer yet: perhaps it was lost.
   if (scan < next_scan_) {
     throw std::runtime_error("Scan " + std::to_string(scan) + " arrived, but scan " + std::to_string(next_scan_) +
                              " is next. Start the mapper again to begin a new map.");
@@ -108,14 +108,24 @@ msg::MapUpdate MapperComponent::Draw(const msg::MatchedScan& message) {
   }
   if (const auto options = tuned_.News()) mapper_.SetOptions(*options);
   msg::MapUpdate update;
-  const MapDelta delta = mapper_.Add(Read(message.scan()), Read(message.match()));
-  update.set_whole(!std::exchange(has_drawn_, true));
-  Write(update.whole() ? Whole(mapper_.map()) : delta, update);
+  Write(mapper_.Add(Read(message.scan()), Read(message.match())), update);
   Write(mapper_.map().options(), *update.mutable_layout());
   *update.mutable_match() = message.match();
   *update.mutable_odometry() = message.scan().odometry();
   next_scan_ = scan + 1;
+  ++drawn_;
   last_ = update;
+  return Answer();
+}
+
+msg::MapUpdate MapperComponent::Answer() const {
+  msg::MapUpdate update = last_;
+  if (drawn_ > 1) return update;
+  update.clear_tile_x();
+  update.clear_tile_y();
+  update.clear_tile_count();
+  Write(Whole(mapper_.map()), update);
+  update.set_whole(true);
   return update;
 }
 

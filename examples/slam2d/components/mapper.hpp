@@ -21,7 +21,7 @@ class MapperComponent {
  public:
   explicit MapperComponent(hgros::Context& context);
 
-  /// Tells the matcher that it begins, and with which map.
+  /// Tells the matcher that it begins.
   void Activate();
 
   [[nodiscard]] msg::MapState Save();
@@ -31,6 +31,8 @@ class MapperComponent {
  private:
   void TakeMatch(const msg::MatchedScan& message);
   [[nodiscard]] msg::MapUpdate Draw(const msg::MatchedScan& message);
+  /// The last update; the whole map until this instance has drawn another scan.
+  [[nodiscard]] msg::MapUpdate Answer() const;
 
   hgros::Context& context_;
   Tuned<MapOptions> tuned_;
@@ -39,7 +41,7 @@ class MapperComponent {
 
   std::mutex mutex_;
   Mapper mapper_;
-  bool has_drawn_ = false;  // This instance.
+  std::uint64_t drawn_ = 0;  // Scans, by this instance.
   std::uint64_t next_scan_ = 0;
   msg::MapUpdate last_;
 };

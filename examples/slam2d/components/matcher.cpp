@@ -53,7 +53,9 @@ void Matcher::TakeMap(const msg::MapUpdate& message) {
   if (message.end_of_log()) return;
   const MapDelta delta = Read(message);
   const std::scoped_lock lock(mutex_);
-  if (delta.version < updates_) return;  // It has been sent again.
+  // It has been sent again. But one that is whole may be of another mapper, which goes on with an older map.
+  const bool again = delta.version < updates_;
+  if (again && !(message.whole() && delta.version + 1 == updates_)) return;
   if (delta.version > updates_) {
     throw std::runtime_error("The map after scan " + std::to_string(delta.version) +
                              " arrived, but the map after scan " + std::to_string(updates_) + " is next.");
@@ -65,7 +67,7 @@ void Matcher::TakeMap(const msg::MapUpdate& message) {
   } else {
     matcher_.Apply(delta);
   }
-  ++updates_;
+  if (!again) ++updates_;
   map_changed_.notify_all();
 }
 

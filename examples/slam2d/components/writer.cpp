@@ -62,7 +62,7 @@ void Writer::Take(const msg::MapUpdate& message) {
   latest_ = std::chrono::steady_clock::now();
   if (trajectory_.empty()) {
     first_ = shown_ = told_ = latest_;
-  } else if (!message.whole() && message.version() <= map_.version()) {
+  } else if (message.version() < map_.version() || (message.version() == map_.version() && !message.whole())) {
     return;  // It has been sent again.
   }
   if (message.whole()) map_ = OccupancyMap(Read(message.layout()));

@@ -72,7 +72,11 @@ TEST(MapperComponent, AnswersAScanThatIsSentAgainWithTheSameUpdate) {
   const auto updates = mapper.Take<msg::MapUpdate>(kNextChannel);
   ASSERT_EQ(updates.size(), 3U);
   EXPECT_EQ(updates[1]->SerializeAsString(), updates[2]->SerializeAsString());
-  EXPECT_EQ(successor.Take<msg::MapUpdate>(kNextChannel).front()->SerializeAsString(), updates[1]->SerializeAsString());
+  const auto answer = successor.Take<msg::MapUpdate>(kNextChannel).front();
+  EXPECT_TRUE(answer->whole());
+  EXPECT_EQ(answer->version(), updates[1]->version());
+  EXPECT_EQ(answer->match().SerializeAsString(), updates[1]->match().SerializeAsString());
+  EXPECT_EQ(answer->cells_size(), mapper->Save().map().cells_size());
 }
 
 TEST(MapperComponent, DrawsOnAfterLostScansAndSaysSo) {
@@ -140,6 +144,30 @@ TEST(MatcherComponent, AMapperThatMovesMayTellOfItselfLate) {
     for (const auto& one : mapper->Take<msg::MapUpdate>(kNextChannel)) matcher.Feed(kNextChannel, one);
     tell();
   }
+}
+
+// The killed mapper's answer was on its way when the scan was sent to the next one.
+TEST(MatcherComponent, FollowsTheMapperThatAnswersLast) {
+  const std::vector<msg::MatchedScan> scans = MatchedScans(30);
+  MapperHarness mapper;
+  MatcherHarness matcher;
+  for (const auto& one : mapper.Take<msg::MapState>(kMapState)) matcher.Feed(kMapState, one);
+  const auto answer = [&](MapperHarness& with, std::size_t scan) {
+    with.Feed(kPreChannel, scans[scan]);
+    for (const auto& one : with.Take<msg::MapUpdate>(kNextChannel)) matcher.Feed(kNextChannel, one);
+  };
+  std::optional<hgros::testing::HarnessOptions> checkpoint;
+  for (std::size_t i = 0; i < 20; ++i) {
+    matcher.Feed(kScan, scans[i].scan());
+    answer(mapper, i);
+    if (i == 10) checkpoint = {.state = mapper.Save()};
+  }
+  MapperHarness successor(*checkpoint);
+  answer(successor, 19);
+  matcher.Feed(kScan, scans[20].scan());
+  const auto matched = matcher.Take<msg::MatchedScan>(kPreChannel).back();
+  EXPECT_EQ(matcher.status().state, hgros::ComponentState::kRunning) << matcher.status().sentence;
+  EXPECT_NE(matched->match().SerializeAsString(), scans[20].match().SerializeAsString()) << "Its map lacks scans.";
 }
 
 TEST(WriterComponent, FollowsAMapperThatGoesOnWithAnOlderMap) {
