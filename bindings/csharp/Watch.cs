@@ -6,7 +6,7 @@ namespace Hgros {
   public sealed class Watch : IDisposable {
     private static readonly Native.ParamCallback Changed = (user, path, yaml) => {
       var watch = Callbacks.Target<Watch>(user);
-      watch.session.Run("The callback of a parameter", () => watch.changed(Marshal.PtrToStringAnsi(path),
+      watch.session.Run("The callback of parameter \"" + Marshal.PtrToStringAnsi(path) + "\"", () => watch.changed(Marshal.PtrToStringAnsi(path),
         Marshal.PtrToStringAnsi(yaml)));
     };
 

@@ -177,7 +177,7 @@ func hgrosGoHandle(user C.uintptr_t, request *C.hgros_message, reply *C.hgros_re
 		}
 		err = errors.New(C.GoString(C.hgros_last_error()))
 	}
-	sentence := C.CString(strings.ReplaceAll(err.Error(), "\x00", " "))
+	sentence := C.CString(strings.ReplaceAll(sentenceOf(err), "\x00", " "))
 	defer C.free(unsafe.Pointer(sentence))
 	C.hgros_reply_fail(reply, sentence)
 }
@@ -189,6 +189,16 @@ func answerOf(handler rawHandler, request *C.hgros_message) (answer []byte, err 
 		}
 	}()
 	return handler(request)
+}
+
+// sentenceOf is what the error says, whose method may panic, as that of a nil pointer does.
+func sentenceOf(err error) (sentence string) {
+	defer func() {
+		if reason := recover(); reason != nil {
+			sentence = fmt.Sprintf("The handler's error panicked: %v", reason)
+		}
+	}()
+	return err.Error()
 }
 
 //export hgrosGoReplied

@@ -150,18 +150,27 @@ hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeo
 }
 
 hgros_status hgros_session_log(const hgros_session* session, int32_t level, const char* text) {
-  return c::Guarded(
-      [&] { c::Given(session, "session").session->log().Write(c::LevelOf(level), c::Text(text, "text")); });
+  return c::Guarded([&] {
+    const hgros_session& on = c::Given(session, "session");
+    const hgros::LogLevel weight = c::LevelOf(level);
+    const std::string_view line = c::Text(text, "text");
+    if (on.life->in_forked_child()) return c::Fail(HGROS_CLOSED, c::kOfParent);
+    on.session->log().Write(weight, line);
+    return hgros_status{HGROS_OK};
+  });
 }
 
 hgros_status hgros_session_log_limited(const hgros_session* session, int32_t level, const char* alike,
                                        const char* text) {
   return c::Guarded([&] {
+    const hgros_session& on = c::Given(session, "session");
+    const hgros::LogLevel weight = c::LevelOf(level);
     // The library's own keys are other ones.
     const std::string key = "program " + std::string(c::Text(alike, "alike"));
-    c::Given(session, "session")
-        .session->log()
-        .WriteLimited(c::LevelOf(level), key, c::Text(text, "text"), c::kSayAgainAfter);
+    const std::string_view line = c::Text(text, "text");
+    if (on.life->in_forked_child()) return c::Fail(HGROS_CLOSED, c::kOfParent);
+    on.session->log().WriteLimited(weight, key, line, c::kSayAgainAfter);
+    return hgros_status{HGROS_OK};
   });
 }
 

@@ -294,6 +294,17 @@ test('WhatFailsAgainAndAgainIsSoonOnlyCounted', async (t) => {
   assert.strictEqual(lines.filter((line) => line.includes('"words"')).length, 10);
 });
 
+test('AnythingMayBeThrown', async (t) => {
+  const session = open(t, { log: () => {} });
+  const things = [Symbol('s'), Object.create(null), undefined, null, 7, new (class extends Error {
+    get stack() { throw new Error('no stack'); }
+  })()];
+  session.subscribe('words', LOG, { keepAll: 100 }, () => { throw things[session.failures]; });
+  const publisher = session.advertise('words', LOG);
+  for (const _ of things) publisher.publish({ message: 'x' });
+  await until('all have failed', () => session.failures === things.length);
+});
+
 test('WhatWaitsIsWoken', async (t) => {
   const session = open(t);
   const [closed, ended, late] = [session.subscribe('a'), session.subscribe('b'), session.subscribe('d')];

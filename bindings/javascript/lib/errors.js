@@ -36,6 +36,16 @@ class HgrosError extends Error {
   }
 }
 
+/** What a callback has thrown, which need not be an Error, and whose properties may throw in turn. */
+function told(thrown, property) {
+  try {
+    const text = thrown instanceof Error ? thrown[property] ?? thrown.message : thrown;
+    return String(text).replaceAll('\0', '');
+  } catch {
+    return 'It threw something that cannot be told.';
+  }
+}
+
 const invalid = (sentence) => new HgrosError('HGROS_INVALID_ARGUMENT', sentence);
 
-module.exports = { HgrosError, invalid };
+module.exports = { HgrosError, invalid, told };

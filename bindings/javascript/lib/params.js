@@ -120,8 +120,9 @@ class ParamTree {
    */
   watch(path, changed) {
     check.callback(changed, 'The function for changes');
-    const watch = new Watch(this.#session,
-      (told) => native.watchParams(this.#external, check.text(path, 'The path'), told), changed,
+    const place = check.text(path, 'The path');
+    const watch = new Watch(this.#session, `The callback for parameter "${place}"`,
+      (told) => native.watchParams(this.#external, place, told), changed,
       () => this.#watches.delete(watch));
     this.#watches.add(watch);
     return watch;

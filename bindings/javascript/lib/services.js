@@ -1,6 +1,6 @@
 'use strict';
 
-const { HgrosError, invalid } = require('./errors');
+const { HgrosError, invalid, told } = require('./errors');
 const { native } = require('./native');
 const { Schema } = require('./schema');
 
@@ -14,7 +14,7 @@ class Service {
       try {
         native.reply(number, reply.encode(await handler(request.decode(data))));
       } catch (error) {
-        native.fail(number, sentenceOf(error));
+        native.fail(number, told(error, 'message') || 'The handler failed.');
       }
     };
     this.#external = native.serve(session, name, Schema.externalOf(request.schema), Schema.externalOf(reply.schema),
@@ -26,10 +26,6 @@ class Service {
     this.#closing ??= Promise.resolve(native.closeService(this.#external));
     return this.#closing;
   }
-}
-
-function sentenceOf(error) {
-  return String(error instanceof Error ? error.message : error).replaceAll('\0', '') || 'The handler failed.';
 }
 
 /** Calls a service. The promise settles with the reply, or with an HgrosError. */

@@ -1,6 +1,6 @@
 'use strict';
 
-const { invalid } = require('./errors');
+const { invalid, told } = require('./errors');
 const { native } = require('./native');
 const { formOf } = require('./types');
 const { Params, RemoteParams } = require('./params');
@@ -56,7 +56,7 @@ class Session {
       await callback();
     } catch (error) {
       ++this.#failures;
-      const text = `${what} failed: ${error?.stack ?? error}`.replace(/\s+/g, ' ').replaceAll('\0', '');
+      const text = `${what} failed: ${told(error, 'stack')}`.replace(/\s+/g, ' ');
       if (this.#closing === undefined) native.log(this.#external, levelOf('error'), text, what);
     }
   }
@@ -184,7 +184,7 @@ class Session {
   /** Calls a function with each event of other sessions: { event, peer, channel, reason }. */
   watchPeers(happened) {
     check.callback(happened, 'The function for events');
-    return new Watch(this, (told) => native.watchPeers(this.#external, told),
+    return new Watch(this, 'The callback for peers', (told) => native.watchPeers(this.#external, told),
       (event, peer, channel, reason) => happened({ event: EVENTS[event] ?? 'unknown', peer, channel, reason }));
   }
 

@@ -8,11 +8,14 @@ class Watch {
   #closed = false;
   #forget;
 
-  /** `open` gets a function for the library, and returns the watch. `forget` is called when it is closed. */
-  constructor(session, open, callback, forget = () => {}) {
+  /**
+   * `what` begins the line about an exception of the callback. `open` gets a function for the library, and returns the
+   * watch. `forget` is called when it is closed.
+   */
+  constructor(session, what, open, callback, forget = () => {}) {
     this.#forget = forget;
     this.#external = open((...told) => {
-      if (!this.#closed) session.guard('The callback of a watch', () => callback(...told));
+      if (!this.#closed) session.guard(what, () => callback(...told));
     });
   }
 

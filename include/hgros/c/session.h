@@ -62,11 +62,13 @@ uint64_t hgros_session_id(const hgros_session* session);
 /// HGROS_TIMED_OUT; HGROS_WOULD_DEADLOCK inside a callback.
 hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeout_ns);
 
-/// Writes a line into the session's log. Control characters are the caller's concern.
+/// Writes a line into the session's log. Control characters are the caller's concern. Errors: HGROS_CLOSED in a forked
+/// child.
 hgros_status hgros_session_log(const hgros_session* session, int32_t level, const char* text);
-/// The same for lines that may repeat, such as those of failed callbacks. `alike` names lines that are alike: ten of them
-/// are written, but the same one only once in 10 s; then one in 10 s, in 20 s, and so on. A line says how many were held
-/// back before it.
+/// The same for lines that may repeat, such as those of failed callbacks. `alike` names lines that are alike: ten of
+/// them are written, but the same one only once in 10 s; then one in 10 s, in 20 s, and so on. A line says how many
+/// were held back before it. Give few such names: only the latest 1024 are remembered, the library's own among them,
+/// each for an hour. Errors: HGROS_CLOSED in a forked child.
 hgros_status hgros_session_log_limited(const hgros_session* session, int32_t level, const char* alike,
                                        const char* text);
 /// Lines below `level` are not written from now on.

@@ -54,7 +54,7 @@ public final class Watch implements AutoCloseable {
     }), failed));
   }
 
-  /** The number of calls that threw. The session's log says what. */
+  /** The number of calls that threw. The session's log says what: ten, then fewer and fewer. */
   public long failed() {
     return failed.get();
   }

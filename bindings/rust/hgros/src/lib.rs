@@ -10,7 +10,8 @@
 //! [`Params`] end later, with the session, and a [`Session`] says goodbye but stays until the process ends. The same
 //! holds for what a callback has captured if it is dropped on the thread that has run the callback.
 //!
-//! A panic in a callback does not leave it: the log has a line about it, and [`Session::callback_failures`] counts it.
+//! A panic in a callback does not leave it: [`Session::callback_failures`] counts it, and the
+//! log has lines about ten of a callback, then fewer.
 //! The caller of a service gets it as an error.
 
 mod callback;

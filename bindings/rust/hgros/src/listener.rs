@@ -31,9 +31,10 @@ impl Session {
         mut callback: impl FnMut(T) + Send + 'static,
     ) -> Result<Listener> {
         let reports = Arc::clone(&self.reports);
+        let unread = format!("A message of channel {channel}");
         let decode = move |message: &Message| match message.decode() {
             Ok(decoded) => callback(decoded),
-            Err(error) => reports.report("A message that cannot be read", error.sentence()),
+            Err(error) => reports.report(&unread, error.sentence()),
         };
         self.listen(channel, Some(&Schema::of::<T>()?), &options.into(), decode)
     }
