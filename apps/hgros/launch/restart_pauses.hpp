@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <deque>
@@ -22,15 +23,25 @@ class RestartPauses {
     const std::chrono::milliseconds pause =
         restarts_.empty() ? std::chrono::milliseconds(0) : kFirst * (1 << (restarts_.size() - 1));
     restarts_.push_back(now + pause);
+    attempts_ = 0;
     return pause;
   }
+  /// The pause before the next attempt to reach its host, which is no restart: 1 s, 2 s, and so on up to a minute.
+  [[nodiscard]] std::chrono::milliseconds NextAttempt() {
+    return std::min<std::chrono::milliseconds>(kFirstAttempt * (1 << std::min(attempts_++, 6)), kWindow);
+  }
   /// The next restart is the first one.
-  void Forget() { restarts_.clear(); }
+  void Forget() {
+    restarts_.clear();
+    attempts_ = 0;
+  }
 
  private:
   static constexpr std::chrono::milliseconds kFirst{100};
+  static constexpr std::chrono::seconds kFirstAttempt{1};
 
   std::deque<Clock::time_point> restarts_;
+  int attempts_ = 0;
 };
 
 }  // namespace hgros::cli

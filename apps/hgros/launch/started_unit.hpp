@@ -43,6 +43,7 @@ struct StartedUnit {
   Clock::time_point started{};                           ///< The last time.
   bool remote = false;                                   ///< `running` is a relay to another host.
   bool over = false;                                     ///< The relay has told that what runs there has ended.
+  bool unreached = false;                                ///< Its host could not be reached.
   Clock::time_point over_at = Clock::time_point::max();  ///< The relay has ended without that: when it is certain.
   Clock::time_point kill_at = Clock::time_point::max();  ///< It was told to end, or see `alone`.
   std::map<std::string, Clock::time_point> alone{};      ///< Components that are constructed again; the latest time.

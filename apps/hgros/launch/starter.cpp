@@ -97,7 +97,7 @@ void Starter::StartDue() {
 void Starter::Start(Unit& unit) {
   unit.ended.clear();
   const bool remote = unit.remote = options_.remote != nullptr && !unit.setup->host.empty();
-  unit.over = false;
+  unit.over = unit.unreached = false;
   unit.over_at = Clock::time_point::max();
   RobotUnit relay;  // What the file says is for the other host.
   relay.name = unit.setup->name;
@@ -221,6 +221,7 @@ void Starter::Take(Unit& unit, const RunReport& report) {
     case RunReport::kChanged: return kept_[report.changed().component()].Note(report.changed());
     case RunReport::kMove: return mover_.Take(unit, report.move());
     case RunReport::kOver: unit.over = true; return;
+    case RunReport::kUnreached: unit.over = unit.unreached = true; return;
     case RunReport::kLine:
       return log_.Add({report.line().time_ns(), unit.setup->name, report.line().component(),
                        static_cast<LogLevel>(std::clamp(report.line().level(), 0, 3)), report.line().text()});
@@ -230,8 +231,9 @@ void Starter::Take(Unit& unit, const RunReport& report) {
           unit, LogLevel::kWarning,
           "Not all subscribers of " + report.lacks() + " were connected after 10 s. They miss the first messages.");
     case RunReport::kLost:
-      return Say(unit, LogLevel::kWarning,
-                 std::to_string(report.lost()) + " lines of the log were lost, because hgros run did not read them in time.");
+      return Say(
+          unit, LogLevel::kWarning,
+          std::to_string(report.lost()) + " lines of the log were lost, because hgros run did not read them in time.");
     case RunReport::REPORT_NOT_SET: return;
   }
 }
@@ -305,7 +307,7 @@ void Starter::TakeStatus(Unit& unit) {
 }
 
 void Starter::StartAgain(Unit& unit) {
-  const auto pause = unit.restarts.Next(Clock::now());
+  const auto pause = unit.unreached ? std::optional(unit.restarts.NextAttempt()) : unit.restarts.Next(Clock::now());
   if (!pause) {
     return Say(
         unit, LogLevel::kError,

@@ -264,7 +264,8 @@ int SshRelay::Run() {
   if (!host_silent_) HearHost();
   if (!heard_ || has_ended_ || refused_) {
     RunReport report;
-    report.set_over(true);
+    const bool unreached = !heard_ && WIFEXITED(status) && WEXITSTATUS(status) == kSshFailed;
+    unreached ? report.set_unreached(true) : report.set_over(true);
     starter_.Add(report);
   }
   // The rest must reach the starter, however long that takes.

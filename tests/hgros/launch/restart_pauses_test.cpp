@@ -28,6 +28,13 @@ TEST(RestartPauses, ForgetWhatIsAMinuteOld) {
   EXPECT_EQ(pauses.Next(kStart + seconds(200)), milliseconds(0));
 }
 
+TEST(RestartPauses, AttemptsToReachAHostAreNoRestarts) {
+  RestartPauses pauses;
+  for (const int pause : {1, 2, 4, 8, 16, 32, 60, 60, 60}) EXPECT_EQ(pauses.NextAttempt(), seconds(pause));
+  EXPECT_EQ(pauses.Next(kStart), milliseconds(0));
+  EXPECT_EQ(pauses.NextAttempt(), seconds(1));
+}
+
 TEST(RestartPauses, BeginAgainOnRequest) {
   RestartPauses pauses;
   for (int i = 0; i < 5; ++i) (void)pauses.Next(kStart);

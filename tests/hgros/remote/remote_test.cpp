@@ -181,6 +181,29 @@ class MovingBetweenHosts {
   const std::unique_ptr<CommandRun> run_ = host_.Run(robot_);
 };
 
+TEST(HgrosRemote, TriesAgainUntilAHostCanBeReached) {
+  SshHost host;
+  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  const RobotFolder robot(std::string(kHosts) +
+                          "components: {does: {type: relay/Does}}\n"
+                          "processes: {p: {components: [does], host: base, restart: on-failure}}\n");
+  const pid_t listener = FindOn(host.cable.right, "sshd");
+  const auto run = host.Run(robot);
+  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  ASSERT_EQ(kill(listener, SIGKILL), 0);
+  ASSERT_EQ(kill(FindOn(host.cable.right, "p"), SIGKILL), 0);
+  ASSERT_TRUE(run->Prints("It is started again in 2000 ms.")) << run->out() << run->err();
+  host.StartSshd();
+  EXPECT_TRUE(test::Await([&] {
+    const std::string out = run->out();
+    const std::size_t first = out.find("does  I run.");
+    return out.find("does  I run.", first + 1) != std::string::npos;
+  })) << run->out()
+      << run->err();
+  run->Signal(SIGINT);
+  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out() << run->err();
+}
+
 // A process that the test kills or stops during a move.
 struct Victim {
   std::string space;
