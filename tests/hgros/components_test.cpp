@@ -27,7 +27,7 @@ TEST(HgrosComponents, ListsInstalledOnes) {
             "TYPE             SUBSCRIBES   PUBLISHES  SERVES  PARAMS  LIBRARY\n"
             "moving/Counting               number                  1  libhgros_test_moving.so\n"
             "moving/Judging   passed, ask                          0  libhgros_test_moving.so\n"
-            "moving/Passing   number       passed     count        2  libhgros_test_moving.so\n"
+            "moving/Passing   number       passed     count        3  libhgros_test_moving.so\n"
             "relay/Checker    number                               1  libhgros_test_relay.so\n"
             "relay/Counter    word         count                   3  libhgros_test_relay.so\n"
             "relay/Does                                            1  libhgros_test_relay.so\n"
