@@ -6,6 +6,7 @@
 #include "component/components_core.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
 #include "hgros/component/component_error.hpp"
 
 namespace hgros {
@@ -29,7 +30,7 @@ Components::Core::~Core() {
 
 OneComponent& Components::Core::Add(const ComponentType* type, const ComponentSetup& setup) {
   if (const std::string fault = ChannelNameFault(setup.name); !fault.empty()) {
-    throw Error("A component cannot be named \"" + setup.name + "\": " + fault + ".");
+    throw Error("A component cannot be named \"" + Readable(setup.name, 64) + "\": " + fault + ".");
   }
   if (Find(setup.name) != nullptr) {
     throw Error("There are two components named \"" + setup.name + "\".", {}, "Give one another name.");

@@ -63,7 +63,7 @@ Viewer::Viewer(const Options& options, const std::optional<Layout>& layout, Surf
   SetLook(scale_);
   displays_.SetShowFound(options.channels.empty());
   layout_file_.path = options.config.empty() ? "hgros-viewer.yaml" : options.config;
-  layout_file_.is_own = !options.config.empty() && layout;
+  if (!options.config.empty() && layout) layout_file_.NoteOwn();
   if (layout) Restore(*layout);
   if (!layout || !layout->displays) displays_.AddDefaults();
   ApplyOptions();
@@ -137,7 +137,7 @@ void Viewer::WriteLayout() {
       notices_.ShowAndPrint(wrote + "; " + layout_file_.path.filename().string() + " is another layout and stays");
     }
     layout_file_.path = file;
-    layout_file_.is_own = true;
+    layout_file_.NoteOwn();
   } else {
     notices_.Fail(fault);
   }

@@ -68,7 +68,7 @@ struct ParamEvent {
   [[nodiscard]] bool Touches(const ParamPath& path) const;
 };
 
-/// Returns why `event.after` is not acceptable, or an empty text.
+/// Returns why `event.after` is not acceptable, or std::nullopt if it is.
 using ParamValidator = std::function<std::optional<std::string>(const ParamEvent& event)>;
 using ParamListener = std::function<void(const ParamEvent& event)>;
 

@@ -525,7 +525,8 @@ TEST_F(ViewerTest, ReplacesTheLayoutThatItHasReadAndThatOnly) {
   options_.config.clear();  // A lost surface gives a layout without a file.
   ScriptedSurface surface({Key('H')});
   Viewer viewer(options_, layout, surface);
-  LayoutTarget target{folder.File("other.yaml"), false, true};
+  LayoutTarget target(folder.File("other.yaml"));
+  target.save_on_exit = true;
   folder.Write("other.yaml", "mine");
   viewer.TakeOver({{}, {}, false, target});
   EXPECT_EQ(viewer.Run(), 0);
