@@ -6,8 +6,9 @@ namespace Hgros {
   public sealed class Watch : IDisposable {
     private static readonly Native.ParamCallback Changed = (user, path, yaml) => {
       var watch = Callbacks.Target<Watch>(user);
-      watch.session.Run("The callback of parameter \"" + Marshal.PtrToStringAnsi(path) + "\"", () => watch.changed(Marshal.PtrToStringAnsi(path),
-        Marshal.PtrToStringAnsi(yaml)));
+      string place = Marshal.PtrToStringAnsi(path);
+      watch.session.Run("The callback of parameter \"" + place + "\"",
+        () => watch.changed(place, Marshal.PtrToStringAnsi(yaml)));
     };
 
     private static readonly Native.PeerCallback Happened = (user, happened, peer, channel, reason) => {

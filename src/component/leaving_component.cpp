@@ -18,6 +18,8 @@ namespace {
 
 // How long messages that later ones have overtaken may still be on the way to the input.
 constexpr std::chrono::milliseconds kOvertakenPatience{100};
+// Some subscribers confirm messages with their heartbeat, usually once a second.
+constexpr std::chrono::milliseconds kReceivedPatience{1500};
 
 }  // namespace
 
@@ -88,7 +90,6 @@ LeavingComponent::~LeavingComponent() {
 }
 
 MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId to) {
-  const auto deadline = DeadlineIn(patience);
   OneComponent& one = core_->one;
   core_->gates = one.core.gates();
   MovingState moving;
@@ -108,7 +109,7 @@ MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId 
   }
   std::vector<std::string> outputs;
   for (const ComponentChannel& output : one.core.description().outputs) outputs.push_back(output.channel);
-  if (!SessionParts(core_->session).AwaitReceived(outputs, deadline)) {
+  if (!SessionParts(core_->session).AwaitReceived(outputs, DeadlineIn(kReceivedPatience))) {
     Resume();
     throw Error(
         Named(one.core.setup()) + "it cannot move now: its subscribers let messages wait that it has published.", {},

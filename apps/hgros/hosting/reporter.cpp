@@ -24,6 +24,7 @@ Reporter::~Reporter() { close(wakes_); }
 
 void Reporter::Tell(const RunReport& report) {
   const std::scoped_lock lock(mutex_);
+  NoteSent();
   if (report.has_line() && TooManyLines()) {
     ++lost_;
     return;
@@ -72,6 +73,7 @@ void Reporter::Slept() noexcept {
 void Reporter::Write() {
   const std::scoped_lock lock(mutex_);
   (void)stream_.Write();
+  NoteSent();
   TellLost();
 }
 
@@ -96,11 +98,12 @@ bool Reporter::full() {
   return stream_.unsent() > kMostUnsentBytes;
 }
 
-// States may be larger, and are on the way for a moment only.
-bool Reporter::TooManyLines() {
+void Reporter::NoteSent() noexcept {
   if (stream_.unsent() == 0) unsent_line_bytes_ = 0;
-  return std::min(unsent_line_bytes_, stream_.unsent()) > kMostUnsentBytes;
 }
+
+// States may be larger, and are on the way for a moment only.
+bool Reporter::TooManyLines() const { return std::min(unsent_line_bytes_, stream_.unsent()) > kMostUnsentBytes; }
 
 void Reporter::TellLost() {
   if (lost_ == 0 || TooManyLines()) return;

@@ -44,7 +44,8 @@ class Reporter final : public ComponentReports {
   [[nodiscard]] bool Next(RunOrder& order) { return stream_.Next(order); }
 
  private:
-  [[nodiscard]] bool TooManyLines();
+  void NoteSent() noexcept;
+  [[nodiscard]] bool TooManyLines() const;
   // As soon as there is room again.
   void TellLost();
 

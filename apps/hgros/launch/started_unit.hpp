@@ -88,7 +88,7 @@ struct StartedUnit {
       for (const StartedUnit& one : units) {
         if (!subscribers.elsewhere.contains(one.setup->name)) continue;
         if (one.has_joined()) output.set_ready(output.ready() + 1);
-        if (one.stage == UnitStage::kEnded) output.set_subscribers(output.subscribers() - 1);
+        if (one.stage == UnitStage::kEnded || one.unreached) output.set_subscribers(output.subscribers() - 1);
       }
     }
     Send(order);

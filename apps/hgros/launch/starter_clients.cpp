@@ -143,6 +143,8 @@ void StarterClients::AnswerRestart(Client& client) {
     }
     if (state == "running" && starts > client.before) {
       SendEnd(client, kDone);
+    } else if (unit.state() == "unreachable" && unit.restarts() > client.before) {
+      SendEnd(client, kFailed, "The host of \"" + name + "\" cannot be reached. This is tried again.");
     } else if (state.starts_with("ended") || state == "failed" || state == "finished") {
       SendEnd(client, kFailed, "\"" + name + "\" has ended again. `hgros logs " + name + "` says why.");
     } else {
@@ -203,7 +205,8 @@ void StarterClients::TellEnd(int code) {
   for (Client& client : clients_) {
     SendLeftOut(client);
     if (client.waits_for_end || client.follows) SendEnd(client, code);
-    if (!client.restarts.empty() || !client.moves.empty()) SendEnd(client, kFailed, "The robot has ended.");
+    const bool waits = !client.restarts.empty() || !client.restarts_later.empty() || !client.moves.empty();
+    if (waits) SendEnd(client, kFailed, "The robot has ended.");
     while (client.stream->Write() && client.stream->unsent() > 0 && std::chrono::steady_clock::now() < late) {
       pollfd room{client.stream->descriptor(), POLLOUT, 0};
       (void)poll(&room, 1, static_cast<int>(kUnreadPatience.count()));

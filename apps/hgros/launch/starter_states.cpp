@@ -53,7 +53,7 @@ std::vector<RobotReply::Unit> Starter::statuses() const {
     told.set_state(ends                            ? "ending"
                    : unit.stage == Stage::kRunning ? "running"
                    : unit.running != nullptr       ? "starting"
-                   : unit.stage == Stage::kWaits   ? "waiting"
+                   : unit.stage == Stage::kWaits   ? (unit.unreached ? "unreachable" : "waiting")
                                                    : ShortEndText(unit.status));
     if (unit.running != nullptr) {
       told.set_pid(unit.running->pid());

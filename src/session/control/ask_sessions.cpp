@@ -21,6 +21,7 @@ constexpr auto kFirstRepetition = std::chrono::milliseconds(20);
 constexpr auto kLongestPause = std::chrono::milliseconds(500);
 constexpr std::size_t kQueue = 1024;
 constexpr std::chrono::milliseconds kAnswersIn{200};
+constexpr std::chrono::milliseconds kLookAgain{5};
 constexpr const char* kTooOld =
     "Its version of HyperGraph ROS takes no requests over a connection on which it only publishes. Use a newer version "
     "there, or give this session a publisher endpoint to which it connects.";
@@ -182,6 +183,7 @@ bool SessionParts::AwaitReceived(std::span<const std::string> channels,
     }
     if (!waiting && (answered || std::ranges::none_of(outlets, &ChannelOutlet::HasUnfinished))) return true;
     if (std::chrono::steady_clock::now() > deadline) return false;
+    (void)asker.changes_.WaitUntil(kLookAgain, [] { return false; }, [] { return false; });
   }
 }
 

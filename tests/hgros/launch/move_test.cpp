@@ -167,6 +167,8 @@ TEST(HgrosMove, WaitsForALosslessSubscriberThatStandsStill) {
       "  b: {}\n");
   ASSERT_TRUE(robot.Runs()) << robot.out();
   const pid_t takes = robot.PidOf("takes");
+  for (const std::string to : {"b", "a"}) EXPECT_EQ(robot.Move(to).status, 0) << "Both places are connected then.";
+  EXPECT_TRUE(robot.Ask());
   ASSERT_EQ(kill(takes, SIGSTOP), 0);
   auto moves = std::async(std::launch::async, [&] { return robot.Move("b"); });
   test::Linger(std::chrono::milliseconds(600));

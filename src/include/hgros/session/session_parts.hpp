@@ -40,7 +40,8 @@ class SessionParts {
   [[nodiscard]] bool SettleInput(std::string_view channel, std::chrono::nanoseconds timeout) const;
   // Waits until the sessions that receive these channels have taken over what was published before: what others publish
   // from then on, they receive behind it. False if that is not so at the deadline, because a subscriber lets messages
-  // wait. Keep-last subscribers that do not answer within 200 ms are not waited for. Not in a callback.
+  // wait. Keep-last subscribers for whom nothing waits here, and who do not answer within 200 ms, are not waited for.
+  // Not in a callback.
   [[nodiscard]] bool AwaitReceived(std::span<const std::string> channels,
                                    std::chrono::steady_clock::time_point deadline);
   // Services of another session end now, and are served here. It is no fault that it still announces them for a while.
