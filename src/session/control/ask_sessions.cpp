@@ -183,7 +183,8 @@ bool SessionParts::AwaitReceived(std::span<const std::string> channels,
     }
     if (!waiting && (answered || std::ranges::none_of(outlets, &ChannelOutlet::HasUnfinished))) return true;
     if (std::chrono::steady_clock::now() > deadline) return false;
-    (void)asker.changes_.WaitUntil(kLookAgain, [] { return false; }, [] { return false; });
+    (void)asker.changes_.WaitUntil(
+        kLookAgain, [] { return false; }, [] { return false; });
   }
 }
 
