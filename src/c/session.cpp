@@ -23,6 +23,19 @@ LogLevel LevelOf(std::int32_t level) {
   return static_cast<LogLevel>(level);
 }
 
+// A forked child does not write: the log's lock may be held by a thread that it does not have.
+template <class F>
+hgros_status WriteLog(const hgros_session* session, std::int32_t level, const char* text, F&& write) {
+  return Guarded([&] {
+    const hgros_session& on = Given(session, "session");
+    const LogLevel weight = LevelOf(level);
+    const std::string_view line = Text(text, "text");
+    if (on.life->in_forked_child()) return Fail(HGROS_CLOSED, kOfParent);
+    write(on.session->log(), weight, line);
+    return hgros_status{HGROS_OK};
+  });
+}
+
 // The options also if they are refused, so that the program's pointer is let go in any case. Without a size there are
 // none.
 hgros_session_options ReadableIn(const hgros_session_options* given) noexcept {
@@ -150,27 +163,15 @@ hgros_status hgros_session_wait_idle(const hgros_session* session, int64_t timeo
 }
 
 hgros_status hgros_session_log(const hgros_session* session, int32_t level, const char* text) {
-  return c::Guarded([&] {
-    const hgros_session& on = c::Given(session, "session");
-    const hgros::LogLevel weight = c::LevelOf(level);
-    const std::string_view line = c::Text(text, "text");
-    if (on.life->in_forked_child()) return c::Fail(HGROS_CLOSED, c::kOfParent);
-    on.session->log().Write(weight, line);
-    return hgros_status{HGROS_OK};
-  });
+  return c::WriteLog(session, level, text,
+                     [](hgros::Log& log, hgros::LogLevel weight, std::string_view line) { log.Write(weight, line); });
 }
 
 hgros_status hgros_session_log_limited(const hgros_session* session, int32_t level, const char* alike,
                                        const char* text) {
-  return c::Guarded([&] {
-    const hgros_session& on = c::Given(session, "session");
-    const hgros::LogLevel weight = c::LevelOf(level);
+  return c::WriteLog(session, level, text, [alike](hgros::Log& log, hgros::LogLevel weight, std::string_view line) {
     // The library's own keys are other ones.
-    const std::string key = "program " + std::string(c::Text(alike, "alike"));
-    const std::string_view line = c::Text(text, "text");
-    if (on.life->in_forked_child()) return c::Fail(HGROS_CLOSED, c::kOfParent);
-    on.session->log().WriteLimited(weight, key, line, c::kSayAgainAfter);
-    return hgros_status{HGROS_OK};
+    log.WriteLimited(weight, "program " + std::string(c::Text(alike, "alike")), line, c::kSayAgainAfter);
   });
 }
 

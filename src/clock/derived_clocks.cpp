@@ -10,11 +10,6 @@
 #include "hgros/clock/system_clocks.hpp"
 
 namespace hgros {
-namespace {
-
-constexpr double kMostRate = 1e6;  // A day per 86 ms. A clock that runs out of its range cannot be followed.
-
-}  // namespace
 
 DerivedClock::DerivedClock(Time start, std::shared_ptr<Clock> source, bool paused)
     : source_(source != nullptr ? std::move(source) : std::make_shared<SteadyClock>()) {

@@ -6,6 +6,7 @@
 
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/base/readable_text.hpp"
+#include "hgros/clock/derived_clocks.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/discovery/announcement.hpp"
 #include "hgros/session/clock_publisher.hpp"
@@ -14,7 +15,6 @@ namespace hgros {
 namespace {
 
 constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;  // The difference of two such times does not overflow.
-constexpr double kFastest = 1e6;
 constexpr std::int64_t kLongestTransitNs = 10'000'000'000;
 // A running clock is published ten times per second; after this silence another one is followed.
 constexpr std::int64_t kSilenceNs = 2'000'000'000;
@@ -25,7 +25,7 @@ std::string Seconds(Duration time) { return std::to_string(std::chrono::duration
 
 bool IsGood(const SimulatedTime& time) {
   const auto near = [](std::int64_t ns) { return ns > -kFarthest && ns < kFarthest; };
-  return near(time.time_ns()) && near(time.jumped_ns()) && time.rate() > 0 && time.rate() <= kFastest;
+  return near(time.time_ns()) && near(time.jumped_ns()) && time.rate() > 0 && time.rate() <= SimulatedClock::kMostRate;
 }
 
 }  // namespace

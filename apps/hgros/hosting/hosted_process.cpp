@@ -66,8 +66,8 @@ bool Host::AwaitSubscribers(Session& session, HostedComponents& components, cons
 void Host::Join(Session& session, HostedComponents& components, const RunOrder::Join& join) {
   const auto deadline = Clock::now() + kJoinPatience;
   std::set<std::string> lacks;
-  // In a robot that runs, messages arrive as soon as the inputs join, and what a callback publishes then shall reach
-  // all.
+  // In a robot that runs, messages arrive as soon as the inputs join. What callbacks publish then shall reach the other
+  // processes that run.
   for (const RunOrder::Output& output : join.outputs()) {
     if (!AwaitSubscribers(session, components, output.channel(), output.ready(), deadline, lacks)) return;
   }

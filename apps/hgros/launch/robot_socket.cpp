@@ -8,19 +8,18 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/discovery/domain.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -28,16 +27,9 @@ namespace {
 
 constexpr const char* kListens = "00010000";  // Among the flags of /proc/net/unix.
 
-// As sessions demand it.
-bool IsDomain(std::string_view name) {
-  return !name.empty() && name.size() <= 64 && name.front() != '.' && std::ranges::all_of(name, [](unsigned char c) {
-    return c < 0x80 && (std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.');
-  });
-}
-
 std::string DomainName() {
   const char* set = std::getenv("HGROS_DOMAIN");
-  std::string domain = set != nullptr && *set != '\0' ? set : "default";
+  std::string domain(set != nullptr && *set != '\0' ? set : kDefaultDomain);
   if (IsDomain(domain)) return domain;
   throw Error("\"" + Visible(domain) + "\" cannot name a domain; HGROS_DOMAIN sets it.", {},
               "Use 1 to 64 letters, digits, '_', '-' and '.', not beginning with a '.'.");

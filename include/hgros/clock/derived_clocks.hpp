@@ -75,6 +75,7 @@ class HGROS_EXPORT SimulatedClock final : public DerivedClock {
     return std::shared_ptr<SimulatedClock>(new SimulatedClock(start, true));
   }
 
+  static constexpr double kMostRate = 1e6;  ///< A clock that runs out of its range cannot be followed.
   /// Seconds of this clock per second of its source. A pause does not change it.
   void SetRate(double rate);
   [[nodiscard]] double rate() const { return line().rate; }
