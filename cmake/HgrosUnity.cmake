@@ -1,13 +1,19 @@
 # Most of a source's compile time goes into the headers it includes, so up to HGROS_UNITY sources of a target are
 # compiled as one. Sources in HGROS_EDITED (`./dev` names those that differ from the last commit) are compiled alone:
-# a change to one of them compiles that one again, not its whole group. A target can opt out with UNITY_BUILD OFF.
-set(HGROS_UNITY 16 CACHE STRING "How many sources are compiled as one; 0 or 1: each is compiled alone")
+# a change to one of them compiles that one again, not its whole group. A target can opt out with UNITY_BUILD OFF, a
+# source with SKIP_UNITY_BUILD_INCLUSION or with compiler settings of its own.
+#
+# The groups are written here, not by CMake's own unity build, which includes each source by its absolute path: a group
+# would then differ between two checkouts, and ccache could not share its object.
+set(HGROS_UNITY 64 CACHE STRING "How many sources are compiled as one; 0 or 1: each is compiled alone")
 set(HGROS_EDITED "" CACHE STRING "Sources that are compiled alone, as absolute paths")
 
 # hgros_group_sources(directory): groups the sources of all targets in a directory and below it. Groups follow the order
 # in which a target lists its sources, so that a source that leaves its group does not move the others.
 function(hgros_group_sources directory)
   get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
+  get_property(binary_directory DIRECTORY ${directory} PROPERTY BINARY_DIR)
+  set(grouped)
   foreach(target IN LISTS targets)
     get_target_property(type ${target} TYPE)
     get_target_property(unity ${target} UNITY_BUILD)
@@ -20,17 +26,38 @@ function(hgros_group_sources directory)
     if(count LESS 2)
       continue()
     endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    set(groups)
     set(number 0)
     foreach(source IN LISTS sources)
       cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${directory} NORMALIZE OUTPUT_VARIABLE path)
       math(EXPR group "${number} / ${HGROS_UNITY}")
       math(EXPR number "${number} + 1")
-      if(NOT path IN_LIST HGROS_EDITED)
-        set_source_files_properties(${path} DIRECTORY ${directory} PROPERTIES UNITY_GROUP ${group})
+      set(alone OFF)
+      foreach(setting IN ITEMS SKIP_UNITY_BUILD_INCLUSION COMPILE_DEFINITIONS COMPILE_OPTIONS INCLUDE_DIRECTORIES)
+        get_source_file_property(value ${path} DIRECTORY ${directory} ${setting})
+        if(value)
+          set(alone ON)
+        endif()
+      endforeach()
+      if(alone OR path IN_LIST HGROS_EDITED)
+        continue()
       endif()
+      set(group_file ${binary_directory}/${target}.group/${group}.cpp)
+      if(NOT group_file IN_LIST groups)
+        list(APPEND groups ${group_file})
+        set(text_${group})
+      endif()
+      cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${binary_directory}/${target}.group OUTPUT_VARIABLE relative)
+      string(APPEND text_${group} "#include \"${relative}\"\n")
+      list(APPEND grouped ${path})
     endforeach()
+    foreach(group_file IN LISTS groups)
+      cmake_path(GET group_file STEM group)
+      file(CONFIGURE OUTPUT ${group_file} CONTENT "${text_${group}}" @ONLY)
+    endforeach()
+    target_sources(${target} PRIVATE ${groups})
   endforeach()
+  set_source_files_properties(${grouped} DIRECTORY ${directory} PROPERTIES HEADER_FILE_ONLY ON)
   get_property(subdirectories DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)
   foreach(subdirectory IN LISTS subdirectories)
     hgros_group_sources(${subdirectory})
