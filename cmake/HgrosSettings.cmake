@@ -21,8 +21,6 @@ endif()
 
 # With one section per function the linker drops functions that no exported symbol reaches.
 add_compile_options(-ffunction-sections -fdata-sections)
-# Gives thread-locals access without a call. The library has only a few words of them, so it can still be loaded late.
-add_compile_options($<$<CONFIG:Release>:-ftls-model=initial-exec>)
 
 add_library(hgros_warnings INTERFACE)
 target_compile_options(hgros_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor

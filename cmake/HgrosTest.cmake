@@ -43,3 +43,9 @@ function(hgros_test)
   gtest_discover_tests(${ARG_NAME} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${ARG_TIMEOUT} ${ARG_PROPERTIES})
 endfunction()
+
+# hgros_test_path(source NAME="path") defines a macro for one source of a test, which is compiled by itself. The objects
+# of the other sources are then the same in every folder, so ccache has them for each checkout.
+function(hgros_test_path SOURCE DEFINITION)
+  set_source_files_properties(${SOURCE} PROPERTIES COMPILE_DEFINITIONS ${DEFINITION} SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()

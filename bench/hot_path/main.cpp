@@ -9,6 +9,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "foxglove/PointCloud.pb.h"
@@ -66,6 +67,32 @@ bool Send(Session& from, Session& to, const std::string& channel, Executor execu
   return true;
 }
 
+/// As Send(), for programs that know the type at run time only, such as those in other languages. There the thread that
+/// waits for messages receives them itself.
+bool SendRaw(Session& from, Session& to, const std::string& channel) {
+  std::atomic<int> arrived{0};
+  const auto subscription = to.FromAnyRaw(
+      channel, Invoke::kSerial,
+      [&arrived](const std::shared_ptr<const hgros::RawMessage>&, const hgros::MessageInfo&) { arrived.fetch_add(1); },
+      {.executor = Executor::Inline()});
+  const auto publisher = from.AdvertiseRaw(channel, hgros::SchemaOf(hgros::TypeOf<foxglove::PointCloud>()));
+  if (!from.WaitForSubscribers(channel, 1, std::chrono::seconds(20))) return false;
+  const std::jthread sender([&](const std::stop_token& stop) {
+    const std::string wire = MakeCloud()->SerializeAsString();
+    for (int i = 0; i < kMessages && !stop.stop_requested(); ++i) {
+      if (publisher({hgros::AsBytes(wire), nullptr}) != hgros::PublishStatus::kOk) return;
+      while (arrived.load() <= i && !stop.stop_requested()) std::this_thread::yield();
+    }
+  });
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  for (int seen = 0; seen < kMessages; seen = arrived.load()) {
+    const auto more = [&] { return arrived.load() > seen; };
+    if (!to.ReceiveHere(more, deadline)) std::this_thread::yield();  // Another thread receives.
+    if (std::chrono::steady_clock::now() > deadline) return false;
+  }
+  return true;
+}
+
 bool SendAll(Session& from, Session& to, const std::string& name) {
   return Send<Block>(from, to, name + "_block", Executor::Inline(), false, MakeBlock) &&
          Send<Block>(from, to, name + "_lossless", Executor::Inline(), true, MakeBlock) &&
@@ -103,7 +130,9 @@ int Run() {
                           .all_channels = true});
   for (const std::string& endpoint : c.PublisherEndpoints())
     d.AddSubscriberEndpoint({.endpoint = endpoint, .channels = {}, .all_channels = true});
-  if (SendAll(a, a, "graph") && SendAll(a, b, "shm") && SendAll(c, d, "ipc") && CallAll(a, b, "echo")) return 0;
+  if (SendAll(a, a, "graph") && SendAll(a, b, "shm") && SendRaw(a, b, "shm_raw") && SendAll(c, d, "ipc") &&
+      CallAll(a, b, "echo"))
+    return 0;
   std::fputs("The sessions did not find each other, or a message or a call was refused.\n", stderr);
   return 1;
 }

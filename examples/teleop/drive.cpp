@@ -13,7 +13,9 @@
 class Drive {
  public:
   explicit Drive(hgros::Context& context)
-      : context_(context), odometry_(context.Advertise<foxglove::Odometry>("odometry")) {
+      : context_(context),
+        odometry_(context.Advertise<foxglove::Odometry>("odometry")),
+        transforms_(context.transforms()) {
     context.Declare("max_speed_mps", 0.5, {.description = "Forward and back.", .unit = "m/s", .least = 0});
     context.Declare("max_turn_radps", 1.5, {.description = "Left and right.", .unit = "rad/s", .least = 0});
     context.Declare("timeout", hgros::Duration(std::chrono::milliseconds(500)),
@@ -66,7 +68,7 @@ class Drive {
     hgros::RigidTransform T_odom_base;
     T_odom_base.translation = {x_, y_, 0};
     T_odom_base.rotation = Eigen::AngleAxisd(heading_, Eigen::Vector3d::UnitZ());
-    (void)context_.transforms().ToTF(now, "odom", "base", T_odom_base);
+    (void)transforms_.ToTF(now, "odom", "base", T_odom_base);
   }
 
   struct Velocity {
@@ -92,6 +94,7 @@ class Drive {
 
   hgros::Context& context_;
   hgros::Publisher<foxglove::Odometry> odometry_;
+  hgros::Transforms& transforms_;
   double x_ = 0;
   double y_ = 0;
   double heading_ = 0;

@@ -3,10 +3,11 @@
 #include <utility>
 
 #include "hgros/base/thread_cause.hpp"
+#include "hgros/base/thread_local.hpp"
 
 namespace hgros {
 
-constinit thread_local const Cause* thread_cause = nullptr;
+constinit HGROS_THREAD_LOCAL const Cause* thread_cause = nullptr;
 
 Cause Cause::Here() noexcept { return thread_cause == nullptr ? Cause{} : *thread_cause; }
 

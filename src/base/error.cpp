@@ -4,6 +4,8 @@
 #include <system_error>
 #include <vector>
 
+#include "hgros/base/readable_text.hpp"
+
 namespace hgros {
 namespace {
 
@@ -40,7 +42,7 @@ FilePosition FilePosition::From(std::string_view text) {
 }
 
 Error::Error(std::string_view what, std::string_view where, std::string_view mend)
-    : std::runtime_error(Join(what, where, mend)), where_(where), mend_(mend) {}
+    : std::runtime_error(Join(AsUtf8(what), AsUtf8(where), AsUtf8(mend))), where_(AsUtf8(where)), mend_(AsUtf8(mend)) {}
 
 std::string Error::sentence() const {
   std::string text = what();

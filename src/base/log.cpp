@@ -17,6 +17,11 @@ constexpr std::size_t kMaxKeys = 1024;
 constexpr std::uint64_t kAlikeLines = 10;
 constexpr std::uint64_t kMostDoublings = 16;  // From 10 s to a week.
 constexpr auto kForgetAfter = std::chrono::hours(1);
+constexpr std::chrono::milliseconds kLongestInterval = std::chrono::hours(24);
+// Lines of one kind, such as one for each of many channels, have keys that begin with the same word. At most
+// kKindLines of them are written per kBurst, so that thousands of channels do not fill a log at once.
+constexpr std::uint64_t kKindLines = 100;
+constexpr std::chrono::milliseconds kBurst = std::chrono::seconds(10);
 
 spdlog::level::level_enum ToSpdlog(LogLevel level) {
   switch (level) {
@@ -86,6 +91,7 @@ void Log::SayHeldBack(Held& held) {
 
 void Log::WriteLimited(LogLevel level, std::string_view key, std::string_view text,
                        std::chrono::milliseconds interval) {
+  interval = std::min(interval, kLongestInterval);
   const Clock::time_point now = Clock::now();
   const std::scoped_lock lock(mutex_);
   if (!sink_ || level < least_) return;
@@ -97,6 +103,23 @@ void Log::WriteLimited(LogLevel level, std::string_view key, std::string_view te
   if (waits && now - held.last < held.pause) {
     ++held.count;
     return;
+  }
+  if (const std::size_t word = key.find(' '); word != std::string_view::npos) {
+    Held& kind = HeldOf(key.substr(0, word + 1));
+    kind.called = now;
+    if (now - kind.last >= std::min(interval, kBurst)) {
+      SayHeldBack(kind);
+      kind.last = now;
+      kind.pause = std::min(interval, kBurst);
+      kind.written = 0;
+    }
+    if (kind.written >= kKindLines) {
+      ++kind.count;
+      kind.level = level;
+      kind.text = text;
+      return;
+    }
+    ++kind.written;
   }
   held.level = level;
   held.text = text;

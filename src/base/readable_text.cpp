@@ -52,6 +52,17 @@ std::size_t Utf8Length(std::string_view text) noexcept {
   return continues(1) && continues(2) && continues(3) && !refused ? 4 : 0;
 }
 
+bool IsUtf8(std::string_view text) noexcept {
+  while (!text.empty()) {
+    const std::size_t length = static_cast<signed char>(text.front()) >= 0 ? 1 : Utf8Length(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+std::string AsUtf8(std::string_view text) { return IsUtf8(text) ? std::string(text) : Readable(text); }
+
 bool IsReadable(std::string_view text) noexcept {
   while (!text.empty()) {
     const std::size_t length = Utf8Length(text);

@@ -70,7 +70,7 @@ BridgeCore::BridgeCore(BridgeOptions options, TransportListener& listener, Log& 
   try {
     OpenAll();
   } catch (...) {
-    Close(0);  // Transports that are open already call this object until then.
+    Close(0, 0);  // Transports that are open already call this object until then.
     throw;
   }
 }
@@ -85,11 +85,11 @@ void BridgeCore::OpenAll() {
   if (options_.beacon) LookOnNetwork();
 }
 
-BridgeCore::~BridgeCore() { Close(0); }
+BridgeCore::~BridgeCore() { Close(0, 0); }
 
-void BridgeCore::Close(int linger_ms) noexcept {
+void BridgeCore::Close(int linger_ms, int at_most_ms) noexcept {
   announcer_.Close();  // From here on no further session is found.
-  open_.Close(linger_ms);
+  open_.Close(linger_ms, at_most_ms);
 }
 
 void BridgeCore::Open(TransportIndex index) {

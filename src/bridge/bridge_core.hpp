@@ -66,10 +66,12 @@ class BridgeCore final : private DiscoveryListener {
   [[nodiscard]] ChannelSearch Search(const std::string& channel) const;
   [[nodiscard]] bool IsOnThisHost(SessionId peer) const;
   void Receive(const Visit& visit) const noexcept { open_.Receive(visit); }
+  [[nodiscard]] bool ReceiveHere(const Visit& visit) const noexcept { return open_.ReceiveHere(visit); }
+  void WakeReceiver() const noexcept { open_.WakeReceiver(); }
   [[nodiscard]] TransportStats stats() const { return open_.stats(); }
   /// Says goodbye to all peers, and sends published messages for at most `linger_ms`.
   void Leave() noexcept { open_.Leave(); }
-  void Close(int linger_ms) noexcept;
+  void Close(int linger_ms, int at_most_ms) noexcept;
 
  private:
   /// A session that was found on this host within this time may be about to subscribe.

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kQuickBytes = 64 * 1024;
 // A limit against peers that invent publishers. Publishers that were silent for longest are forgotten first.
 constexpr std::size_t kMaxPublishers = 4096;
-constexpr int kMessagesPerErrand = 16;
+constexpr int kMessagesAtOnce = 16;
 constexpr std::string_view kOfTheLibrary = "hgros/";
 // A limit against plain publishers that name a new type in each message.
 constexpr std::size_t kMostSaidSchemas = 32;
@@ -63,6 +63,22 @@ const TypeInfo& ChannelInlet::TypeToAsk() const noexcept {
 
 bool ChannelInlet::AsksForTooMuch() const noexcept { return TakesAny() && !IsAnyType(TypeToAsk()); }
 
+Fifo<InboundMessage> ChannelInlet::Leave() {
+  Fifo<InboundMessage> left;
+  {
+    const std::scoped_lock lock(waiting_mutex_);
+    leaves_ = true;
+    std::swap(left, waiting_);
+    taken_ += left.size();
+    detached_.fetch_add(1, std::memory_order_release);
+  }
+  if (DataGraph::ForgetRemoteLatched(channel_)) {
+    const std::scoped_lock lock(counts_mutex_);
+    for (auto& [publisher, life] : lives_) life.StartOver();
+  }
+  return left;
+}
+
 void ChannelInlet::Detach() {
   std::shared_ptr<JoinedInbound> transports;
   {
@@ -80,6 +96,7 @@ void ChannelInlet::Detach() {
     taken_ += left.size();
     undelivered.swap(handed_over_);
     if (runner_ != Runner::kErrand) runner_ = Runner::kNobody;
+    leaves_ = false;
     detached_.fetch_add(1, std::memory_order_release);  // An errand may have taken a message before.
   }
   publishers_.store(0, std::memory_order_release);
@@ -102,10 +119,13 @@ bool ChannelInlet::IsQuick(const InboundMessage& message) const noexcept {
 Accepted ChannelInlet::Accept(InboundMessage&& message) noexcept {
   const ThreadUse use = DataGraph::UseOfThread(channel_);
   const bool quick = IsQuick(message);
-  Runner runner = use == ThreadUse::kRunNode ? Runner::kTransportHelps : Runner::kTransportApart;
+  // A visitor runs no callbacks of the workers.
+  const bool helps = use == ThreadUse::kRunNode && !Transport::IsVisitor();
+  Runner runner = helps ? Runner::kTransportHelps : Runner::kTransportApart;
   if (quick && use == ThreadUse::kNone) runner = Runner::kTransport;
   if (quick && brings_replies_ && Transport::IsVisitor()) runner = Runner::kVisitor;
   const std::scoped_lock lock(waiting_mutex_);
+  if (leaves_) return Accepted::kNothing;
   waiting_.Put(std::move(message));
   if (runner_ != Runner::kNobody) return Accepted::kNothing;
   runner_ = runner;
@@ -137,7 +157,9 @@ void ChannelInlet::Run() noexcept {
   // nodes of the channel.
   ReadyNodeSlot slot(as == Runner::kTransportHelps);
   std::optional<Decoded> undelivered;
-  while (!undelivered) {
+  for (int i = 0; !undelivered; ++i) {
+    if (i >= kMessagesAtOnce && Transport::IsVisitor() && HasWaiting()) break;
+    if (i == kMessagesAtOnce && HasWaiting() && Transport::LeaveRest()) return;
     InboundMessage message;
     Turn turn;
     const Taken taken = TakeNext(message, decoding, turn);
@@ -164,7 +186,7 @@ void ChannelInlet::RunErrand() noexcept {
     first = std::exchange(handed_over_, std::nullopt);
   }
   if (first) (void)Inject(*first, UserCode::kAllowed);
-  for (int i = 0; i < kMessagesPerErrand; ++i) {
+  for (int i = 0; i < kMessagesAtOnce; ++i) {
     InboundMessage message;
     Turn turn;
     if (TakeNext(message, UserCode::kAllowed, turn) == Taken::kNone) return;

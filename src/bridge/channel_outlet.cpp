@@ -36,11 +36,11 @@ ChannelOutlet::ChannelOutlet(std::string channel, const TypeInfo& type, MessageI
 
 void ChannelOutlet::Join(NetworkBridge& bridge) {
   {
-    const std::scoped_lock lock(order_mutex_, latch_mutex_);
+    const std::scoped_lock lock(order_mutex_);
     joined_ = true;
-    for (Kept& one : kept_) {
+    latch_.ChangeAll([this](OutletLatch::Kept& one) {
       if (one.type->users_codec) one.data = Encode(one.message, *one.type, {});
-    }
+    });
   }
   std::shared_ptr<JoinedOutbound> transports = bridge.Advertise(channel_, type_, *this);
   const std::scoped_lock lock(transports_mutex_, order_mutex_);
@@ -73,19 +73,8 @@ void ChannelOutlet::SetStays(bool stays) {
 // Under order_mutex_. Messages that have stayed inside took no numbers, because subscribers would count them as lost.
 // Those that are latched get them now.
 void ChannelOutlet::SendKept() {
-  std::vector<Kept> numbered;
-  {
-    const std::scoped_lock latch(latch_mutex_);
-    numbered.reserve(kept_.size());
-    for (Kept& one : kept_) {
-      if (one.head.id.sequence != 0) continue;
-      Number(one.head, one.own_number);
-      numbered.push_back(one);
-    }
-    // A message that was promised before may have been kept after one that has stayed inside.
-    std::ranges::stable_sort(kept_, {}, [](const Kept& one) { return one.head.id.sequence; });
-  }
-  for (Kept& one : numbered) {
+  auto numbered = latch_.NumberThose([this](OutletLatch::Kept& one) { Number(one.head, one.own_number); });
+  for (OutletLatch::Kept& one : numbered) {
     if (!transports_ || transports_->subscriber_count() == 0) return;  // Later ones ask for what is latched.
     if (!one.data) one.data = Encode(one.message, *one.type, {});
     // For those who have no room, it waits.
@@ -296,26 +285,19 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   // Outside the lock: encoding a large message takes as long as sending it.
   std::optional<Payload> data;
   if (listened || WritesWhenLatched(type)) data = Encode(message, type, std::move(prepared), Lend::kYes);
-  PacketHead head;
-  head.channel = channel_;
-  head.type_name = type_.name;
-  head.encoding = type_.encoding;
-  head.fingerprint = type_.fingerprint;
-  head.publish_time_ns = clocks_->Now().nanoseconds;
-  head.publish_monotonic_ns = MonotonicNow();
-  head.latched = static_cast<std::uint32_t>(depth);
+  PacketHead head = NewHead(depth, clocks_->Now().nanoseconds);
   head.cause = CauseOf(info, head.publish_monotonic_ns);
 
-  std::vector<Kept> dropped;  // Destroyed after the locks: a message's destructor is the user's code.
+  OutletLatch::Messages dropped;  // Destroyed after the locks.
   const EndsLater after_the_lock;
   const std::scoped_lock lock(order_mutex_);
-  head.id = publisher_;
   bool counted = listened;
   if (depth > 0) {
     if (!stays) Number(head, info.id.sequence);
     // The bridge has come meanwhile.
     if (!data && WritesWhenLatched(type)) data = Encode(message, type, {});
-    Keep({message, &type, head, info.id.sequence, WritesWhenLatched(type) ? data : std::nullopt}, depth, dropped);
+    dropped =
+        latch_.Keep({message, &type, head, info.id.sequence, WritesWhenLatched(type) ? data : std::nullopt}, depth);
     if (stays && !stays_) SendKept();
     // A subscriber is counted before it asks for latched messages. So either it found this message there, or it is
     // counted now.
@@ -333,14 +315,34 @@ bool ChannelOutlet::TryCommit(const AnyMessage& message, const TypeInfo& type, c
   return transports_->Commit(head, *data);
 }
 
-void ChannelOutlet::Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped) {
-  const std::scoped_lock latch(latch_mutex_);
-  kept_.push_back(std::move(message));
-  while (kept_.size() > depth) {
-    dropped.push_back(std::move(kept_.front()));
-    kept_.pop_front();
-  }
+PacketHead ChannelOutlet::NewHead(std::size_t depth, std::int64_t publish_time_ns) const {
+  PacketHead head;
+  head.channel = channel_;
+  head.type_name = type_.name;
+  head.encoding = type_.encoding;
+  head.fingerprint = type_.fingerprint;
+  head.id = publisher_;
+  head.publish_time_ns = publish_time_ns;
+  head.publish_monotonic_ns = MonotonicNow();
+  head.latched = static_cast<std::uint32_t>(depth);
+  return head;
 }
+
+// With numbers of an earlier incarnation: for those who get it, nothing is missing before the next message, and it is
+// an old one for those who have heard of this outlet before.
+bool ChannelOutlet::KeepLatched(AnyMessage message, Payload data, std::int64_t publish_time_ns) {
+  const std::size_t depth = latched_.load(std::memory_order_relaxed);
+  if (depth == 0) return false;
+  PacketHead head = NewHead(depth, publish_time_ns);
+  --head.id.incarnation;
+  OutletLatch::Messages dropped;  // Destroyed after the lock.
+  const std::scoped_lock lock(order_mutex_);
+  head.id.sequence = ++taken_over_;
+  dropped = latch_.Keep({std::move(message), &type_, std::move(head), 0, std::move(data)}, depth);
+  return true;
+}
+
+void ChannelOutlet::ForgetLatched() { (void)latch_.Clear(); }
 
 std::vector<OutboundMessage> ChannelOutlet::Latched(SessionId /*subscriber*/) noexcept {
   try {
@@ -352,14 +354,10 @@ std::vector<OutboundMessage> ChannelOutlet::Latched(SessionId /*subscriber*/) no
 }
 
 std::vector<OutboundMessage> ChannelOutlet::TryLatched() {
-  std::deque<Kept> kept;
-  {
-    const std::scoped_lock lock(latch_mutex_);
-    kept = kept_;
-  }
+  OutletLatch::Messages kept = latch_.All();
   std::vector<OutboundMessage> messages;
   messages.reserve(kept.size());
-  for (Kept& one : kept) {
+  for (OutletLatch::Kept& one : kept) {
     if (one.head.id.sequence == 0) continue;  // It stays inside.
     if (!one.data) one.data = Encode(one.message, *one.type, {});
     if (one.data->owner != nullptr) messages.push_back({std::move(one.head), std::move(*one.data)});

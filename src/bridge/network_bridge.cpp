@@ -71,9 +71,13 @@ ChannelSearch NetworkBridge::Search(const std::string& channel) { return core_->
 
 void NetworkBridge::Receive(const Visit& visit) noexcept { core_->Receive(visit); }
 
+bool NetworkBridge::ReceiveHere(const Visit& visit) noexcept { return core_->ReceiveHere(visit); }
+
+void NetworkBridge::WakeReceiver() noexcept { core_->WakeReceiver(); }
+
 TransportStats NetworkBridge::stats() const { return core_->stats(); }
 
 void NetworkBridge::Leave() noexcept { core_->Leave(); }
-void NetworkBridge::Close(int linger_ms) noexcept { core_->Close(linger_ms); }
+void NetworkBridge::Close(int linger_ms, int at_most_ms) noexcept { core_->Close(linger_ms, at_most_ms); }
 
 }  // namespace hgros

@@ -36,6 +36,19 @@ void OpenTransports::Receive(const Visit& visit) const noexcept {
   visit.first();
 }
 
+bool OpenTransports::ReceiveHere(const Visit& visit) const noexcept {
+  for (const Slot& slot : slots_) {
+    if (Transport* const transport = slot.open.load(std::memory_order_acquire)) return transport->ReceiveHere(visit);
+  }
+  return false;
+}
+
+void OpenTransports::WakeReceiver() const noexcept {
+  for (const Slot& slot : slots_) {
+    if (Transport* const transport = slot.open.load(std::memory_order_acquire)) return transport->WakeReceiver();
+  }
+}
+
 TransportStats OpenTransports::stats() const {
   TransportStats sum;
   for (const Transport* const transport : All()) {
@@ -52,9 +65,9 @@ void OpenTransports::Leave() noexcept {
   }
 }
 
-void OpenTransports::Close(int linger_ms) noexcept {
+void OpenTransports::Close(int linger_ms, int at_most_ms) noexcept {
   for (const Slot& slot : slots_) {
-    if (Transport* const transport = slot.open.load(std::memory_order_acquire)) transport->Close(linger_ms);
+    if (Transport* const transport = slot.open.load(std::memory_order_acquire)) transport->Close(linger_ms, at_most_ms);
   }
 }
 

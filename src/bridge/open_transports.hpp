@@ -33,9 +33,11 @@ class OpenTransports {
 
   /// See Transport::Receive(). The cheapest transport is read.
   void Receive(const Visit& visit) const noexcept;
+  [[nodiscard]] bool ReceiveHere(const Visit& visit) const noexcept;
+  void WakeReceiver() const noexcept;
   [[nodiscard]] TransportStats stats() const;
   void Leave() noexcept;
-  void Close(int linger_ms) noexcept;
+  void Close(int linger_ms, int at_most_ms) noexcept;
 
  private:
   struct Slot {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "c/calling.hpp"
+#include "hgros/base/thread_local.hpp"
 #include "hgros/c/status.h"
 
 namespace hgros::c {
@@ -25,7 +26,7 @@ class InCallback {
   [[nodiscard]] static bool Here() noexcept { return innermost != nullptr; }
 
  private:
-  static thread_local const InCallback* innermost;
+  static HGROS_THREAD_LOCAL const InCallback* innermost;
   const void* const of_;
   const InCallback* const outer_;
 };
@@ -40,7 +41,7 @@ class InClose {
   [[nodiscard]] static bool Here() noexcept { return depth > 0; }
 
  private:
-  static thread_local int depth;
+  static HGROS_THREAD_LOCAL int depth;
 };
 
 // The objects for which a callback is called: a session's life, and parameters.

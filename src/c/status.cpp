@@ -7,6 +7,7 @@
 #include "c/callbacks.hpp"
 #include "c/calling.hpp"
 #include "hgros/base/error.hpp"
+#include "hgros/base/thread_local.hpp"
 #include "hgros/params/param_error.hpp"
 
 namespace hgros::c {
@@ -16,12 +17,12 @@ struct LastError {
   std::string text;
   bool no_memory = false;
 };
-thread_local LastError last_error;
+HGROS_THREAD_LOCAL LastError last_error;
 
 }  // namespace
 
-thread_local const InCallback* InCallback::innermost = nullptr;
-thread_local int InClose::depth = 0;
+HGROS_THREAD_LOCAL const InCallback* InCallback::innermost = nullptr;
+HGROS_THREAD_LOCAL int InClose::depth = 0;
 
 hgros_status Fail(hgros_status status, std::initializer_list<std::string_view> parts) noexcept {
   try {

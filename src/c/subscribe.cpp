@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -11,48 +10,13 @@
 #include "c/handles.hpp"
 #include "c/raw.hpp"
 #include "c/readable.hpp"
+#include "hgros/base/thread_local.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/session/session_parts.hpp"
+#include "hgros/session/type_gate.hpp"
 
 namespace hgros::c {
-
-// Lets messages of the expected type pass, and counts the others. The session reports their publishers.
-//
-// Thread safety: all functions.
-class TypeGate {
- public:
-  explicit TypeGate(const TypeInfo* expected) : expected_(expected) {}
-
-  [[nodiscard]] bool Passes(const std::shared_ptr<const MessageSchema>& schema) {
-    if (expected_ == nullptr || schema == expected_->run_time->schema) return true;
-    if (Fits(schema)) return true;
-    mismatched_.fetch_add(1, std::memory_order_relaxed);
-    return false;
-  }
-  [[nodiscard]] std::uint64_t mismatched() const noexcept { return mismatched_.load(std::memory_order_relaxed); }
-
- private:
-  static constexpr std::size_t kMostCompared = 64;
-  struct Compared {
-    std::shared_ptr<const MessageSchema> schema;
-    bool fits;
-  };
-
-  // Comparing takes long, and a publisher has one schema for all its messages.
-  bool Fits(const std::shared_ptr<const MessageSchema>& schema) {
-    const std::scoped_lock lock(mutex_);
-    const auto known = std::ranges::find(compared_, schema, &Compared::schema);
-    if (known != compared_.end()) return known->fits;
-    if (compared_.size() >= kMostCompared) compared_.erase(compared_.begin());
-    return compared_.emplace_back(Compared{schema, MisfitOf(*schema, *expected_).empty()}).fits;
-  }
-
-  const TypeInfo* const expected_;
-  std::mutex mutex_;
-  std::vector<Compared> compared_;
-  std::atomic<std::uint64_t> mismatched_{0};
-};
 
 namespace {
 
@@ -60,7 +24,7 @@ using RawPtr = std::shared_ptr<const RawMessage>;
 
 // Where the callback of a queue puts the message that this thread takes. Created before, because a message that has
 // left the queue must not be lost for want of memory.
-thread_local hgros_message* taken_here = nullptr;
+HGROS_THREAD_LOCAL hgros_message* taken_here = nullptr;
 
 NodeOptions NodeOptionsOf(const hgros_subscribe_options& options, Executor executor) {
   NodeOptions node{std::string(TextOrNone(options.name)), {}, std::move(executor)};
@@ -101,7 +65,7 @@ class QueueEnd final : public Dependent {
 
 struct hgros_subscription {
   std::shared_ptr<hgros::c::Life> life;
-  std::shared_ptr<hgros::c::TypeGate> gate;
+  std::shared_ptr<hgros::TypeGate> gate;
   const std::shared_ptr<hgros::Subscription> subscription = std::make_shared<hgros::Subscription>();
   std::shared_ptr<hgros::c::QueueEnd> queue_end;  // Null with a callback.
   int descriptor = -1;                            // A duplicate that lives as long as the handle.
@@ -123,7 +87,7 @@ void Wire(hgros_subscription& made, Session& session, std::string_view channel, 
   made.gate = std::make_shared<TypeGate>(expected);
   NodeOptions node = NodeOptionsOf(options, std::move(executor));
   const Invoke invoke = options.concurrent != 0 ? Invoke::kConcurrent : Invoke::kSerial;
-  *made.subscription = SessionParts(session).SubscribeRaw(
+  *made.subscription = SessionParts(session).Subscribe(
       channel, expected == nullptr ? AnyType() : *expected, invoke,
       EraseCallback<RawMessage>([gate = made.gate, callback](RawPtr raw, const MessageInfo& info) {
         if (gate->Passes(raw->schema)) callback(std::move(raw), info);

@@ -10,6 +10,7 @@
 
 #include "codec/field_format.hpp"
 #include "hgros/base/publish_status.hpp"
+#include "hgros/base/readable_text.hpp"
 #include "hgros/internal/codec/call_message.hpp"
 
 namespace hgros::codec {
@@ -104,7 +105,7 @@ bool ReadHead(Bytes head, CallMessage& call) {
       case FieldTag(kReplyType, kLengthDelimited): call.reply_type = in.ReadText(); break;
       case FieldTag(kCancelled, kVarint): call.cancelled = in.ReadVarint() != 0; break;
       case FieldTag(kOutcome, kVarint): call.outcome = OutcomeOf(static_cast<std::uint32_t>(in.ReadVarint())); break;
-      case FieldTag(kText, kLengthDelimited): call.text = in.ReadText(); break;
+      case FieldTag(kText, kLengthDelimited): call.text = AsUtf8(in.ReadText()); break;
       default: in.Skip(tag);
     }
   }

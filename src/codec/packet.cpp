@@ -5,6 +5,7 @@
 
 #include "codec/field_format.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
 
 namespace hgros {
 namespace {
@@ -95,7 +96,7 @@ PacketFault DecodeHead(Bytes head_str, PacketHead& head) {
   while (in.more()) ReadField(in, head, preamble);
   // The version is checked first: in another major version the other fields may have another meaning.
   if (preamble.version != 0 && (preamble.version >> 16U) != kWireMajor) return PacketFault::kVersion;
-  if (!in.ok() || !ChannelNameFault(head.channel).empty()) return PacketFault::kHead;
+  if (!in.ok() || !ChannelNameFault(head.channel).empty() || !IsUtf8(head.type_name)) return PacketFault::kHead;
   if (preamble.encoding > static_cast<std::uint32_t>(Encoding::kPlain)) return PacketFault::kType;
   head.encoding = static_cast<Encoding>(preamble.encoding);
   return PacketFault::kNone;

@@ -11,6 +11,7 @@
 #include "component/stream_position.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/clock/time.hpp"
+#include "hgros/codec/run_time_type.hpp"
 #include "hgros/component/component_move.hpp"
 #include "hgros/session/session_parts.hpp"
 
@@ -19,17 +20,18 @@ namespace {
 
 constexpr std::chrono::seconds kInputPatience{10};
 constexpr int kMostAtOnce = 256;
-constexpr std::size_t kMostEarly = 1024;  // From then on messages wait in the gate, and in the queue behind it.
 
 }  // namespace
 
 class ArrivingComponent::Core {
  public:
   struct Stream {
-    StreamPosition there{};                  // The last message that was handled in the other place.
-    StreamPosition handled{};                // The last message that was handled, in either place.
-    std::optional<StreamPosition> own{};     // From here on, all come by themselves.
-    bool complete = false;                   // Everything behind the last one that was handled comes by itself.
+    StreamPosition there{};               // The last message that was handled in the other place.
+    StreamPosition handled{};             // The last message that was handled, in either place.
+    std::optional<StreamPosition> own{};  // From here on, all come by themselves.
+    // The other place has come to that one, too, so nothing waits there that came before it. Another publisher may have
+    // sent that: the same component in another place.
+    bool complete = false;
     std::deque<InputGate::Waiting> early{};  // Came by themselves; the other place may still have some before them.
 
     void UseNumbers() {
@@ -47,7 +49,7 @@ class ArrivingComponent::Core {
   Core(Components::Core& its_components, OneComponent& its_one, std::function<void()> its_wake)
       : components(its_components), one(its_one), wake(std::move(its_wake)) {}
 
-  void Handle(Input& input, const InputGate::Waiting& waiting) { one.Handle(*input.gate, waiting); }
+  void LetPass(Input& input, InputGate::Waiting waiting) { one.LetPass(*input.gate, std::move(waiting)); }
   // Whether it takes this one although a later one was handled already.
   static bool IsLate(const Input& input, const Stream& stream, const MessageInfo& info) {
     return input.gate->takes_late() && stream.handled.Misses(info);
@@ -58,7 +60,7 @@ class ArrivingComponent::Core {
         IsLate(input, stream, waiting.info) && (finished || (stream.own && stream.own->Ahead(waiting.info) >= 0));
     if (stream.handled.Ahead(waiting.info) <= 0 && !late) return;
     stream.handled.Note(waiting.info);
-    Handle(input, waiting);
+    LetPass(input, waiting);
   }
   // A message that came by itself. False: it is too early.
   bool TakeOwn(Input& input, Stream& stream, const InputGate::Waiting& waiting) {
@@ -68,17 +70,16 @@ class ArrivingComponent::Core {
     if (settled && !stream.own) {
       stream.own.emplace().Note(info);
       own.push_back({input.gate->node(), info.id, info.number, info.remote});
+      stream.complete = stream.handled.Ahead(info) <= 0;
     }
-    const std::int64_t ahead = stream.handled.Ahead(info);
-    if (ahead > 1 && !stream.complete && !finished) return false;
+    if (stream.handled.Ahead(info) > 0 && !stream.complete && !finished) return false;
     HandleOwn(input, stream, waiting);
-    stream.complete = stream.complete || settled;
     return true;
   }
 
   void TakeOwn(Input& input, InputGate::Waiting waiting) {
     if (waiting.info.number == 0) {
-      if (finished) Handle(input, waiting);  // Until then the other place hands it over.
+      if (finished) LetPass(input, std::move(waiting));  // Until then the other place hands it over.
       return;
     }
     Stream& stream = input.streams[SenderOf(waiting.info.id)];
@@ -109,7 +110,8 @@ class ArrivingComponent::Core {
   OneComponent& one;
   const std::function<void()> wake;
   std::vector<Input> inputs;
-  std::vector<InputPosition> own;  // What FirstOwn has not told.
+  std::vector<InputPosition> own;                                            // What FirstOwn has not told.
+  std::map<std::string, std::vector<SessionParts::LatchedMessage>> latched;  // By channel.
   SessionId from{};
   bool begun = false;
   bool finished = false;
@@ -121,8 +123,7 @@ class ArrivingComponent::Core {
 ArrivingComponent::ArrivingComponent(Components& components, const ComponentSetup& setup, std::function<void()> wake) {
   ComponentSetup blank = setup;
   blank.state = nullptr;
-  OneComponent& one = components.core_->Add(nullptr, blank);
-  one.arrives = true;
+  OneComponent& one = components.core_->Add(nullptr, blank, true);
   core_ = std::make_unique<Core>(*components.core_, one, wake);
   for (const auto& gate : one.core.gates()) {
     // It may be long until this place begins. Until then a thread that waits would hold up other components.
@@ -147,6 +148,10 @@ ArrivingComponent::ArrivingComponent(Components& components, const ComponentSetu
 
 ArrivingComponent::~ArrivingComponent() {
   if (!core_->begun) {
+    (void)core_->one.core.transforms().Withhold();
+    for (const std::string& channel : core_->components.OwnOutputs(core_->one)) {
+      SessionParts(core_->components.session()).ForgetLatched(channel);
+    }
     core_->components.End(core_->one.core.setup().name);
   } else {
     Finish();
@@ -154,14 +159,15 @@ ArrivingComponent::~ArrivingComponent() {
 }
 
 bool ArrivingComponent::HasPublisherHere(std::string_view channel) const {
-  const auto& outputs = core_->one.core.description().outputs;
-  if (std::ranges::find(outputs, channel, &ComponentChannel::channel) != outputs.end()) return false;  // Its own.
-  return SessionParts(core_->components.session()).IsPublished(channel);
+  return core_->components.HasPublisherBeside(core_->one, channel);
 }
 
 void ArrivingComponent::Restore(const MovingState& moving) {
   core_->from = moving.from;
+  if (!moving.static_edges.empty()) (void)core_->one.core.transforms().Get().ToStaticTF(moving.static_edges);
   if (moving.state) core_->one.Restore(*moving.state);
+  for (const MovingLatched& one : moving.latched)
+    core_->latched[one.channel].push_back({one.data, one.publish_time_ns});
   for (const InputPosition& position : moving.positions) {
     for (Core::Input& input : core_->inputs) {
       if (input.gate->node() == position.input) {
@@ -177,9 +183,13 @@ void ArrivingComponent::Restore(const MovingState& moving) {
 
 void ArrivingComponent::Begin() {
   OneComponent& one = core_->one;
+  SessionParts parts(core_->components.session());
+  for (const std::string& channel : core_->components.OwnOutputs(one))
+    parts.KeepLatched(channel, core_->latched[channel], core_->from);
   try {
+    one.core.transforms().Release();
     one.Activate();
-    SessionParts(core_->components.session()).TakeServicesFrom(core_->from);
+    parts.TakeServicesFrom(core_->from);
     one.core.JoinServices();
     if (core_->components.options().offer_params) one.Offer(core_->components.session());
     one.core.StartTimers();
@@ -197,7 +207,8 @@ bool ArrivingComponent::Work() {
   if (!core_->begun) return false;
   bool more = false;
   for (Core::Input& input : core_->inputs) {
-    for (int i = 0; input.early < kMostEarly; ++i) {
+    // A lossless queue is as long here as it is elsewhere.
+    for (int i = 0; input.early < input.gate->most() && input.gate->has_room(); ++i) {
       more = more || i == kMostAtOnce;
       if (i == kMostAtOnce) break;  // Under load, more come all the time.
       auto waiting = input.gate->Next();
@@ -220,6 +231,8 @@ void ArrivingComponent::Hand(const MovingMessage& message) {
   InputGate::Waiting waiting{nullptr, message.info};
   if (IsAnyType(type)) {
     waiting.message = std::make_shared<const RawMessage>(message.message);
+  } else if (IsRunTimeType(type)) {
+    waiting.message = std::make_shared<const RawMessage>(RawMessage{type.run_time->schema, message.message.data});
   } else {
     waiting.message = type.decode(message.message.data);
   }
@@ -227,7 +240,7 @@ void ArrivingComponent::Hand(const MovingMessage& message) {
     return core_->one.core.log().Write(
         LogLevel::kError, "A message of " + message.input + " was lost in the move: it is no " + type.name + ".");
   }
-  if (message.info.number == 0) return core_->Handle(input, waiting);
+  if (message.info.number == 0) return core_->LetPass(input, std::move(waiting));
   Core::Stream& stream = input.streams[SenderOf(message.info.id)];
   if (!message.info.remote) stream.UseNumbers();
   // The other place has handled none of those that it hands over, so those up to its position were overtaken there.
@@ -235,8 +248,9 @@ void ArrivingComponent::Hand(const MovingMessage& message) {
       Core::IsLate(input, stream, message.info)) {
     core_->HandleBefore(input, stream, message.info);
     stream.handled.Note(message.info);
-    core_->Handle(input, waiting);
+    core_->LetPass(input, std::move(waiting));
   }
+  stream.complete = stream.complete || (stream.own && stream.own->Ahead(message.info) >= 0);
   core_->TakeEarly(input, stream);
 }
 

@@ -1,5 +1,7 @@
 #include "component/component_guard.hpp"
 
+#include <algorithm>
+
 namespace hgros {
 namespace {
 
@@ -22,9 +24,8 @@ void ComponentGuard::NoteException(const char* what) noexcept {
 void ComponentGuard::NoteSaving() noexcept {
   try {
     late_(
-        "Its Save() has not returned after 1 s. None of its callbacks begins until it does, and it is neither saved "
-        "nor "
-        "moved. `hgros restart` starts its process again.");
+        "Its Save() has not returned after 1 s. None of its callbacks begins until it does, and no component of its "
+        "process is saved, moved or constructed again. `hgros restart` starts the process again.");
   } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, nobody is told.
   }
 }
@@ -39,13 +40,15 @@ void ComponentGuard::NoteLate(std::chrono::nanoseconds time, bool returned) noex
 
 void ComponentGuard::Enter(Pass& pass) {
   std::unique_lock lock(mutex_);
-  const auto saved = [this] { return !alone_; };
+  const auto inside = [&](const Pass* other) { return other->thread == pass.thread; };
+  const auto saved = [&] { return !alone_ && (closing_ == 0 || std::ranges::any_of(passes_, inside)); };
   if (!changed_.wait_for(lock, kSavePatience, saved) && !std::exchange(told_saving_, true)) {
     lock.unlock();
     NoteSaving();
     lock.lock();
   }
   changed_.wait(lock, saved);
+  pass.number = ++begun_;
   passes_.push_back(&pass);
   if (deadline_.count() > 0) pass.began = std::chrono::steady_clock::now();
 }
@@ -58,7 +61,10 @@ void ComponentGuard::Leave(const Pass& pass) noexcept {
     const std::scoped_lock lock(mutex_);
     std::erase(passes_, &pass);
     late = time > deadline_ && !pass.told;
-    if (passes_.empty()) changed_.notify_all();
+    if (passes_.empty()) {
+      if (waiting_ > 0 && !alone_) alone_ = given_ = true;  // Before the next one begins.
+      changed_.notify_all();
+    }
   }
   if (late) NoteLate(time, true);
 }
@@ -81,8 +87,25 @@ void ComponentGuard::NoteHanging() {
 bool ComponentGuard::TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save) {
   {
     std::unique_lock lock(mutex_);
-    if (!changed_.wait_until(lock, deadline, [this] { return passes_.empty() && !alone_; })) return false;
-    alone_ = true;
+    const auto may = [this] {
+      return std::exchange(given_, false) || (passes_.empty() && !std::exchange(alone_, true));
+    };
+    const auto now = std::chrono::steady_clock::now();
+    const std::uint64_t before = begun_;
+    ++waiting_;
+    bool alone = changed_.wait_until(lock, now + (deadline - now) / 2, may);
+    if (!alone) {
+      // Nobody is kept waiting in vain for a long one, which may itself wait for others.
+      const int closes = std::ranges::all_of(passes_, [&](const Pass* one) { return one->number > before; }) ? 1 : 0;
+      closing_ += closes;
+      alone = changed_.wait_until(lock, deadline, may);
+      closing_ -= closes;
+    }
+    --waiting_;
+    if (!alone) {
+      changed_.notify_all();
+      return false;
+    }
   }
   const auto open = [this] {
     const std::scoped_lock lock(mutex_);

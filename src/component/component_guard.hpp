@@ -2,10 +2,12 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -46,8 +48,9 @@ class ComponentGuard {
       throw;
     }
   }
-  // Waits until no callback runs, and calls `save` while none can begin. False if the deadline came first. If `save`
-  // does not return for long, a callback that waits for it tells so.
+  // Waits until no callback runs, and calls `save` while none can begin. False if the deadline came first. In the
+  // second half of that time none begins, unless inside another one, or while one runs that did so from the beginning.
+  // If `save` does not return for long, a callback that waits for it tells so.
   bool TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save);
   // Tells of those that still run after the deadline, each once.
   void NoteHanging();
@@ -65,6 +68,8 @@ class ComponentGuard {
       if (guard_ != nullptr) guard_->Leave(*this);
     }
 
+    const std::thread::id thread = std::this_thread::get_id();
+    std::uint64_t number = 0;  // Of those that have begun.
     std::chrono::steady_clock::time_point began;
     bool told = false;  // That it is late.
 
@@ -84,7 +89,11 @@ class ComponentGuard {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Pass*> passes_;  // Guarded by mutex_. Callbacks that run.
-  bool alone_ = false;         // Guarded by mutex_. It is saved; none runs.
+  std::uint64_t begun_ = 0;    // Guarded by mutex_. Callbacks.
+  int waiting_ = 0;            // Guarded by mutex_. Threads in TryAlone() that wait.
+  int closing_ = 0;            // Guarded by mutex_. Those for which none may begin.
+  bool given_ = false;         // Guarded by mutex_. alone_ is for one of them.
+  bool alone_ = false;         // Guarded by mutex_. It is saved, or is about to be; none runs.
   bool told_saving_ = false;   // Guarded by mutex_. That this takes long.
 };
 

@@ -1,6 +1,7 @@
 #include "hgros/component/components.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "component/components_core.hpp"
@@ -8,6 +9,7 @@
 #include "hgros/base/names.hpp"
 #include "hgros/base/readable_text.hpp"
 #include "hgros/component/component_error.hpp"
+#include "hgros/session/session_parts.hpp"
 
 namespace hgros {
 
@@ -22,13 +24,20 @@ std::string_view ToString(ComponentState state) noexcept {
   return "unknown";
 }
 
-Components::Core::Core(Session& session, ComponentsOptions options) : session_(session), options_(std::move(options)) {}
+Components::Core::Core(Session& session, ComponentsOptions options)
+    : session_(session),
+      options_(std::move(options)),
+      active_([this](std::string_view component, std::string_view warning) {
+        if (options_.log) return options_.log(component, LogLevel::kWarning, warning);
+        session_.log().Write(LogLevel::kWarning, std::string(component) + ": " + std::string(warning));
+      }) {}
 
 Components::Core::~Core() {
+  active_.BeginEnd();
   while (!all_.empty()) all_.pop_back();
 }
 
-OneComponent& Components::Core::Add(const ComponentType* type, const ComponentSetup& setup) {
+OneComponent& Components::Core::Add(const ComponentType* type, const ComponentSetup& setup, bool arrives) {
   if (const std::string fault = ChannelNameFault(setup.name); !fault.empty()) {
     throw Error("A component cannot be named \"" + Readable(setup.name, 64) + "\": " + fault + ".");
   }
@@ -38,8 +47,8 @@ OneComponent& Components::Core::Add(const ComponentType* type, const ComponentSe
   std::vector<Error> faults;
   try {
     auto one = std::make_unique<OneComponent>(
-        ContextCore::Means{session_, options_, [this]() -> Transforms& { return SharedTransforms(); }},
-        type == nullptr ? FindComponentType(setup.type) : *type, setup);
+        ContextCore::Means{session_, options_, [this]() -> Transforms& { return SharedTransforms(); }}, active_,
+        type == nullptr ? FindComponentType(setup.type) : *type, setup, arrives);
     faults = one->Construct();
     if (faults.empty() && setup.state) one->Restore(*setup.state);
     if (faults.empty()) return *all_.emplace_back(std::move(one));
@@ -111,7 +120,28 @@ void Components::Core::ConstructAgain(std::string_view name, std::chrono::nanose
   }
   one.core.EndUnused();
   one.core.SetPlace(ContextCore::Place::kHere);
-  one.HandleWaiting();
+  one.LetWaitingPass();
+}
+
+bool Components::Core::HasPublisherBeside(const OneComponent& one, std::string_view channel) const {
+  const auto& outputs = one.core.description().outputs;
+  if (std::ranges::find(outputs, channel, &ComponentChannel::channel) != outputs.end()) return false;  // Its own.
+  return SessionParts(session_).IsPublished(channel);
+}
+
+std::vector<std::string> Components::Core::OwnOutputs(const OneComponent& one) const {
+  const auto publishes_on = [](const OneComponent& other, const std::string& channel) {
+    const auto& outputs = other.core.description().outputs;
+    return std::ranges::find(outputs, channel, &ComponentChannel::channel) != outputs.end();
+  };
+  std::vector<std::string> own;
+  for (const ComponentChannel& output : one.core.description().outputs) {
+    const auto also = [&](const auto& other) { return other.get() != &one && publishes_on(*other, output.channel); };
+    if (std::ranges::find(own, output.channel) == own.end() && std::ranges::none_of(all_, also)) {
+      own.push_back(output.channel);
+    }
+  }
+  return own;
 }
 
 OneComponent* Components::Core::Find(std::string_view name) {
@@ -152,6 +182,7 @@ void Components::ConstructAgain(std::string_view name, std::chrono::nanoseconds 
 }
 void Components::NoteHanging(std::string_view name) { core_->Get(name).core.guard()->NoteHanging(); }
 void Components::End(std::string_view name) { core_->End(name); }
+void Components::BeginEnd() noexcept { core_->BeginEnd(); }
 
 std::vector<ComponentStatus> Components::statuses() const {
   std::vector<ComponentStatus> statuses;

@@ -28,7 +28,7 @@ std::unique_ptr<ClockPublisher> Context::PublishClock(std::shared_ptr<SimulatedC
   return std::make_unique<ClockPublisher>(session(), std::move(clock));
 }
 ParamServer& Context::params() noexcept { return core_.params(); }
-Transforms& Context::transforms() { return core_.transforms(); }
+Transforms& Context::transforms() { return core_.UseTransforms(); }
 Log& Context::log() noexcept { return core_.log(); }
 
 void Context::Finish(std::string result) { core_.EndBySelf(ComponentState::kFinished, std::move(result)); }

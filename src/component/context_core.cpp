@@ -7,6 +7,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/session/session_parts.hpp"
+#include "hgros/session/type_gate.hpp"
 
 namespace hgros {
 namespace {
@@ -57,6 +58,7 @@ ContextCore::ContextCore(Means means, const ComponentType& type, ComponentSetup 
       guard_(std::make_shared<ComponentGuard>(
           type.state != nullptr, setup_.deadline, [this](const std::string& what) { NoteException(what); },
           [this](const std::string& sentence) { NoteLate(sentence); })),
+      transforms_(means_.transforms),
       context_(*this) {
   status_.name = description_.name = setup_.name;
   description_.type = setup_.type;
@@ -74,51 +76,6 @@ LogSink ContextCore::Sink() const {
   return [name = setup_.name, &log = means_.session.log()](LogLevel level, std::string_view text) {
     log.Write(level, name + ": " + std::string(text));
   };
-}
-
-void ContextCore::NoteException(const std::string& what) {
-  {
-    const std::scoped_lock lock(mutex_);
-    ++status_.exceptions;
-    status_.exception = what;
-  }
-  Report();
-}
-
-void ContextCore::NoteLate(const std::string& sentence) {
-  log_.WriteLimited(LogLevel::kWarning, "late", sentence);
-  {
-    const std::scoped_lock lock(mutex_);
-    ++status_.late;
-  }
-  Report();
-}
-
-ComponentStatus ContextCore::status() const {
-  const std::scoped_lock lock(mutex_);
-  return status_;
-}
-
-// Under a lock of its own, so that the last report has the latest status.
-void ContextCore::Report() const {
-  if (!means_.options.on_change) return;
-  const std::scoped_lock lock(report_mutex_);
-  means_.options.on_change(status());
-}
-
-void ContextCore::SetState(ComponentState state, std::string sentence) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (status_.state >= ComponentState::kFinished) return;
-    status_.state = state;
-    status_.sentence = std::move(sentence);
-  }
-  Report();
-}
-
-void ContextCore::EndBySelf(ComponentState state, std::string sentence) {
-  if (state == ComponentState::kFailed) log_.Write(LogLevel::kError, "It has failed: " + sentence);
-  SetState(state, std::move(sentence));
 }
 
 std::string ContextCore::NameHere(std::string_view name) {
@@ -177,7 +134,8 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
   {
     const std::scoped_lock lock(mutex_);
     if (!constructed_) {
-      description_.inputs.push_back({std::string(input.channel), here, input.type.name, options.name});
+      const std::string type = input.type.any ? std::string() : input.type.name;
+      description_.inputs.push_back({std::string(input.channel), here, type, options.name});
       if (!input.type.any) description_.fingerprints[input.type.name] = input.type.fingerprint;
     }
   }
@@ -199,13 +157,15 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
     gate = asked.fresh;
     guarded = [gate](const AnyMessage& message, const MessageInfo& info) { gate->Take(message, info); };
   }
+  // Before the gate, so that a move hands over none of another type.
+  if (IsRunTimeType(input.type)) guarded = OnlyOf(input.type, std::move(guarded));
   const std::string node = options.name;
   Add(inputs_, {node,
                 [this, here, &type = input.type, invoke = input.invoke, where = input.where,
                  callback = std::move(guarded), options = std::move(options), gate = std::move(gate)]() -> Kept {
                   auto made = std::make_shared<Subscription>(
                       SessionParts(session()).Subscribe(here, type, invoke, callback, options, where));
-                  if (gate) gate->SetTakesLate(invoke == Invoke::kConcurrent || made->stats().queue.lossless());
+                  if (gate) gate->Join(*made);
                   return made;
                 }});
 }

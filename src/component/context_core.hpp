@@ -16,6 +16,7 @@
 
 #include "component/component_guard.hpp"
 #include "component/input_gates.hpp"
+#include "component/own_transforms.hpp"
 #include "hgros/component/component_description.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/component/context.hpp"
@@ -32,7 +33,7 @@ class ContextCore {
   struct Means {
     Session& session;
     const ComponentsOptions& options;
-    std::function<Transforms&()> transforms;
+    std::function<Transforms&()> transforms;  // Those that all components share.
   };
   ContextCore(Means means, const ComponentType& type, ComponentSetup setup);
   ContextCore(const ContextCore&) = delete;
@@ -74,7 +75,8 @@ class ContextCore {
   [[nodiscard]] const std::shared_ptr<ComponentGuard>& guard() const noexcept { return guard_; }
   [[nodiscard]] ParamServer& params() noexcept { return *params_; }
   [[nodiscard]] Log& log() noexcept { return log_; }
-  [[nodiscard]] Transforms& transforms() const { return means_.transforms(); }
+  [[nodiscard]] OwnTransforms& transforms() noexcept { return transforms_; }
+  [[nodiscard]] Transforms& UseTransforms();
   // Keeps what is wrong with a parameter for EndConstruction(). False if the constructor has returned.
   [[nodiscard]] bool NoteFault(std::string_view param, const ParamError& fault);
   [[nodiscard]] std::string NameHere(std::string_view name);
@@ -122,6 +124,7 @@ class ContextCore {
   Listening changes_;  // Of params_, once it is constructed.
   Log log_;
   const std::shared_ptr<ComponentGuard> guard_;
+  OwnTransforms transforms_;
   Context context_;
 
   mutable std::mutex report_mutex_;

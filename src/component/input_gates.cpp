@@ -18,9 +18,8 @@ InputGates::Asked InputGates::Ask(InputWiring wiring, AnyCallback callback, std:
     asked.ends = std::move(found->gate);
     gates_.erase(found);
   }
-  const bool takes_late = wiring.invoke == Invoke::kConcurrent || wiring.queue.lossless();
-  asked.fresh =
-      std::make_shared<InputGate>(wiring.node, *wiring.type, takes_late, std::move(callback), std::move(guard));
+  asked.fresh = std::make_shared<InputGate>(wiring.node, *wiring.type, wiring.invoke, wiring.queue, std::move(callback),
+                                            std::move(guard));
   if (again_) asked.fresh->Hold([] {}, InputGate::Full::kWaits);
   gates_.push_back({std::move(wiring), asked.fresh});
   return asked;

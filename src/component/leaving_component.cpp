@@ -89,6 +89,10 @@ LeavingComponent::~LeavingComponent() {
   }
 }
 
+bool LeavingComponent::HasPublisherHere(Components& components, const std::string& name, std::string_view channel) {
+  return components.core_->HasPublisherBeside(components.core_->Get(name), channel);
+}
+
 MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId to) {
   OneComponent& one = core_->one;
   core_->gates = one.core.gates();
@@ -109,7 +113,9 @@ MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId 
   }
   std::vector<std::string> outputs;
   for (const ComponentChannel& output : one.core.description().outputs) outputs.push_back(output.channel);
-  if (!SessionParts(core_->session).AwaitReceived(outputs, DeadlineIn(kReceivedPatience))) {
+  if (one.core.transforms().Withhold()) outputs.emplace_back(kStaticTransformsChannel);
+  SessionParts parts(core_->session);
+  if (!parts.AwaitReceived(outputs, DeadlineIn(kReceivedPatience))) {
     Resume();
     throw Error(
         Named(one.core.setup()) + "it cannot move now: its subscribers let messages wait that it has published.", {},
@@ -117,7 +123,13 @@ MovingState LeavingComponent::Hold(std::chrono::nanoseconds patience, SessionId 
   }
   one.offered.reset();
   one.Deactivate();
-  if (to.value != 0) SessionParts(core_->session).TakeServicesFrom(to);
+  moving.static_edges = one.core.transforms().Withheld();
+  for (const std::string& channel : core_->components.OwnOutputs(one)) {
+    for (auto& latched : parts.LatchedOn(channel)) {
+      moving.latched.push_back({channel, latched.publish_time_ns, std::move(latched.data)});
+    }
+  }
+  if (to.value != 0) parts.TakeServicesFrom(to);
   return moving;
 }
 
@@ -130,9 +142,10 @@ void LeavingComponent::Resume() {
   } catch (const std::exception& error) {
     one.core.log().Write(LogLevel::kError, std::string("Others cannot reach its parameters any more. ") + error.what());
   }
-  if (!one.activated) (void)one.TryActivate();
+  one.core.transforms().Release();
+  if (!one.active.Has(one)) (void)one.TryActivate();
   one.core.SetPlace(ContextCore::Place::kHere);
-  one.HandleWaiting();
+  one.LetWaitingPass();
 }
 
 void LeavingComponent::Leave() {
@@ -141,6 +154,9 @@ void LeavingComponent::Leave() {
   one.core.SetPlace(ContextCore::Place::kElsewhere);
   one.core.EndTimers();
   one.core.EndServices();
+  for (const std::string& channel : core_->components.OwnOutputs(one)) {
+    SessionParts(core_->session).ForgetLatched(channel);
+  }
 }
 
 std::optional<MovingMessage> LeavingComponent::Next() {
@@ -162,12 +178,16 @@ std::optional<MovingMessage> LeavingComponent::Next() {
   return std::nullopt;
 }
 
+bool LeavingComponent::has_more() const {
+  return std::ranges::any_of(core_->gates, [](const auto& gate) { return gate->has_more(); });
+}
+
 void LeavingComponent::Passed(const InputPosition& position) {
   Core::Stream& stream = core_->streams[position.input][SenderOf(position.last)];
   const MessageInfo first = MessageAt(position);
   stream.own.emplace().Note(first);
   stream.own_may_miss = !first.remote;
-  if (stream.last.Ahead(first) <= 1) stream.Pass();
+  if (stream.last.Ahead(first) <= 0) stream.Pass();
 }
 
 bool LeavingComponent::all_passed() const {

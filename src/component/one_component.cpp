@@ -41,6 +41,7 @@ Error CurrentError(const ComponentSetup& setup) {
 }
 
 OneComponent::~OneComponent() {
+  const ActiveComponents::Busy busy(active, core.setup().name);
   offered.reset();
   core.EndTimers();
   Deactivate();
@@ -49,11 +50,13 @@ OneComponent::~OneComponent() {
 
 std::vector<Error> OneComponent::Construct() {
   std::vector<Error> faults;
+  core.transforms().SetConstructing(true);
   try {
     component = type.construct(core.context());
   } catch (...) {
     faults.push_back(CurrentError(core.setup()));
   }
+  core.transforms().SetConstructing(false);
   const bool returned = component != nullptr;
   for (const Error& fault : core.EndConstruction(returned)) faults.push_back(NamedError(core.setup(), fault));
   return faults;
@@ -76,23 +79,32 @@ void OneComponent::Start() {
 }
 
 void OneComponent::Activate() {
+  const ActiveComponents::Busy busy(active, core.setup().name);
+  deactivated = false;
   component->Activate();
-  activated = true;
+  active.Add(*this);
 }
 
 bool OneComponent::TryActivate() {
+  if (active.ends()) return false;
   try {
     Activate();
+    return true;
   } catch (const std::exception& error) {
     core.EndBySelf(ComponentState::kFailed, error.what());
   } catch (...) {
     core.EndBySelf(ComponentState::kFailed, "Activate threw something that is no std::exception.");
   }
-  return activated;
+  return false;
 }
 
 void OneComponent::Deactivate() {
-  if (!std::exchange(activated, false)) return;
+  const ActiveComponents::Busy busy(active, core.setup().name);
+  if (active.Take(*this)) CallDeactivate();
+}
+
+void OneComponent::CallDeactivate() {
+  deactivated = true;
   try {
     component->Deactivate();
   } catch (const std::exception& error) {
@@ -105,8 +117,10 @@ void OneComponent::Deactivate() {
 std::shared_ptr<const RawMessage> OneComponent::Save(std::chrono::nanoseconds patience,
                                                      const std::function<void()>& meanwhile) {
   if (type.state == nullptr) return nullptr;
+  const ActiveComponents::Busy busy(active, core.setup().name);
   AnyMessage state;
   const auto save = [&] {
+    if (deactivated) throw Error(Named(core.setup()) + "it has been deactivated already.");
     try {
       state = component->Save();
     } catch (...) {
@@ -149,15 +163,15 @@ std::vector<Error> OneComponent::ConstructAgain(const std::function<ComponentSet
   return Construct();
 }
 
-void OneComponent::HandleWaiting() {
+void OneComponent::LetWaitingPass() {
   for (const auto& gate : core.gates()) {
-    gate->Pass([&](const InputGate::Waiting& waiting) { Handle(*gate, waiting); }, false);
+    gate->Pass([&](InputGate::Waiting waiting) { LetPass(*gate, std::move(waiting)); }, false);
   }
 }
 
-void OneComponent::Handle(InputGate& gate, const InputGate::Waiting& waiting) {
+void OneComponent::LetPass(InputGate& gate, InputGate::Waiting waiting) {
   try {
-    gate.Handle(waiting);
+    gate.LetPass(std::move(waiting));
   } catch (const std::exception& error) {
     core.log().Write(LogLevel::kError, "A callback of " + gate.node() + " threw: " + error.what());
   } catch (...) {

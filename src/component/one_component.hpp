@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "component/active_components.hpp"
 #include "component/context_core.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/codec/raw_message.hpp"
@@ -26,8 +28,12 @@ namespace hgros {
 //
 // Threading: as Components.
 struct OneComponent {
-  OneComponent(ContextCore::Means means, const ComponentType& its_type, const ComponentSetup& setup)
-      : type(its_type), core(std::move(means), type, setup) {}
+  // `from_elsewhere`: it arrives from another place.
+  OneComponent(ContextCore::Means means, ActiveComponents& all_active, const ComponentType& its_type,
+               const ComponentSetup& setup, bool from_elsewhere = false)
+      : type(its_type), active(all_active), core(std::move(means), type, setup), arrives(from_elsewhere) {
+    if (arrives) (void)core.transforms().Withhold();
+  }
   OneComponent(const OneComponent&) = delete;
   OneComponent& operator=(const OneComponent&) = delete;
   ~OneComponent();
@@ -38,11 +44,13 @@ struct OneComponent {
   void Offer(Session& session);
   // With its timers.
   void Start();
-  // A component whose Activate throws has failed; false then.
+  // A component whose Activate throws has failed; false then, and if the process ends.
   bool TryActivate();
   // Throws what that throws.
   void Activate();
+  // If it is active. Another thread may be doing so; then this waits.
   void Deactivate();
+  void CallDeactivate();
   // Null if its class has no Save. `meanwhile` runs while no callback can begin. Throws Error if callbacks still run
   // after `patience`.
   [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::chrono::nanoseconds patience,
@@ -50,18 +58,19 @@ struct OneComponent {
   void Restore(const RawMessage& state);
   // The object ends while it is held, and another one is constructed. Returns all faults.
   [[nodiscard]] std::vector<Error> ConstructAgain(const std::function<ComponentSetup()>& setup);
-  // Messages that wait, on this thread; those that come then pass.
-  void HandleWaiting();
-  // Logs what the callback throws.
-  void Handle(InputGate& gate, const InputGate::Waiting& waiting);
+  // Messages that wait pass, then those that come.
+  void LetWaitingPass();
+  // As InputGate::LetPass. Logs what the callback throws.
+  void LetPass(InputGate& gate, InputGate::Waiting waiting);
 
   // They end in reverse order: the object before what it uses.
   const ComponentType type;
+  ActiveComponents& active;
   ContextCore core;
   std::unique_ptr<AnyComponent> component;
   std::optional<ParamService> offered;
-  bool activated = false;
-  bool arrives = false;  // From another place: Join and Start of Components leave it alone.
+  std::atomic<bool> deactivated{false};  // And not activated again: its state may be gone.
+  bool arrives;                          // From another place: Join and Start of Components leave it alone.
 };
 
 }  // namespace hgros

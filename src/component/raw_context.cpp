@@ -15,12 +15,13 @@ void RawContext::AddInput(std::string_view channel, const MessageSchema& schema,
   context_.AddInput({channel, RunTimeType(schema), invoke, where}, std::move(callback), std::move(options));
 }
 
-void RawContext::Serve(std::string_view service, const MessageSchema& request, const MessageSchema& reply,
-                       RawHandler handler, Invoke invoke, NodeOptions options, const CallSite& where) {
+std::string RawContext::Serve(std::string_view service, const MessageSchema& request, const MessageSchema& reply,
+                              RawHandler handler, Invoke invoke, NodeOptions options, const CallSite& where) {
   const TypeInfo& body = RunTimeType(reply);
   context_.AddService(
       {service, RunTimeCallType(request), RunTimeCallType(reply), RunTimeType(request), body, invoke, where},
       SessionParts::HandlerOf(std::move(handler), body), std::move(options));
+  return context_.core_.NameHere(service);
 }
 
 RawServiceClient RawContext::Client(std::string_view service, const MessageSchema& request,

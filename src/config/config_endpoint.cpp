@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 
+#include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/yaml/quoted.hpp"
 
@@ -37,11 +38,11 @@ std::string Canonical(int family, const std::string& address) {
   return inet_ntop(family, bytes.data(), text.data(), text.size());
 }
 
-// Reads one endpoint. Errors are reported at the value, with the text and an example.
+// Reads one endpoint. Throws Error with a sentence that lacks its subject, and an example.
 class EndpointReader {
  public:
-  EndpointReader(std::string_view text, const yaml::Value& value, EndpointSide side)
-      : text_(text), value_(value), side_(side) {}
+  EndpointReader(std::string_view text, EndpointSide side, bool may_be_off)
+      : text_(text), side_(side), may_be_off_(may_be_off) {}
 
   Endpoint Read() const {
     if (text_.empty()) Fail("is empty", Example());
@@ -63,13 +64,15 @@ class EndpointReader {
   }
 
  private:
-  [[noreturn]] void Fail(const std::string& predicate, const std::string& mend) const { value_.Fail(predicate, mend); }
+  [[noreturn]] static void Fail(const std::string& predicate, const std::string& mend) {
+    throw Error(predicate, {}, mend);
+  }
 
   bool publisher() const { return side_ == EndpointSide::kPublisher; }
 
   std::string Example() const {
     return std::string("Write it as in ") + (publisher() ? "\"tcp://*:5553\"" : "\"tcp://192.168.1.7:5553\"") +
-           ", or \"x\" to switch it off.";
+           (may_be_off_ ? ", or \"x\" to switch it off." : ".");
   }
 
   Endpoint ReadTcp(std::string_view rest) const {
@@ -162,19 +165,31 @@ class EndpointReader {
   }
 
   std::string_view text_;
-  const yaml::Value& value_;
   EndpointSide side_;
+  bool may_be_off_;
 };
 
 }  // namespace
 
 std::optional<Endpoint> ReadEndpoint(std::string_view text, const yaml::Value& value, EndpointSide side) {
   if (text == "x") return std::nullopt;
-  return EndpointReader(text, value, side).Read();
+  try {
+    return EndpointReader(text, side, true).Read();
+  } catch (const Error& fault) {
+    value.Fail(fault.sentence(), fault.mend());
+  }
 }
 
 std::optional<Endpoint> ReadEndpoint(const yaml::Value& value, EndpointSide side) {
   return ReadEndpoint(value.Text("an endpoint as a text"), value, side);
+}
+
+void RequireEndpoint(std::string_view endpoint, EndpointSide side) {
+  try {
+    (void)EndpointReader(endpoint, side, false).Read();
+  } catch (const Error& fault) {
+    throw Error("The endpoint " + fault.sentence() + ".", {}, fault.mend());
+  }
 }
 
 }  // namespace hgros

@@ -1,15 +1,13 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "hgros/config/endpoint_check.hpp"
 #include "hgros/yaml/reader.hpp"
 
 namespace hgros {
-
-enum class EndpointSide : std::uint8_t { kPublisher, kSubscriber };
 
 /// An endpoint in its canonical spelling, so that equal endpoints have equal texts. ZeroMQ accepts it: scheme and
 /// address in lower case, no leading zeros, "*" for every address and for a port that the system chooses.

@@ -32,6 +32,13 @@ Subscription DataGraph::Subscribe(Channel& channel, const TypeInfo& type, Invoke
 
 void DataGraph::Latch(Channel& channel, std::size_t count) { channel.Latch(count); }
 
+void DataGraph::ReplaceLatched(std::string_view channel, std::vector<AnyMessage> messages, const TypeInfo& type,
+                               SessionId other) {
+  if (Channel* const found = core_->Find(channel)) found->ReplaceLatched(std::move(messages), type, other.value);
+}
+
+bool DataGraph::ForgetRemoteLatched(Channel& channel) { return channel.ForgetRemoteLatched(); }
+
 void DataGraph::SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet) { channel.SetOutlet(std::move(outlet)); }
 
 bool DataGraph::HasOutlet(const Channel& channel) noexcept { return channel.HasOutlet(); }

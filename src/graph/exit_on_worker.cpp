@@ -12,12 +12,14 @@
 #include <system_error>
 #include <thread>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros {
 namespace {
 
 constexpr auto kTimeToFlush = std::chrono::milliseconds(200);
 
-thread_local int tasks = 0;  // That the thread runs, one inside the other.
+HGROS_THREAD_LOCAL int tasks = 0;  // That the thread runs, one inside the other.
 std::atomic<bool> exiting{false};
 std::atomic<int> exit_status{0};
 

@@ -12,6 +12,7 @@
 #include "graph/nodes/tbb_node.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
+#include "hgros/base/readable_text.hpp"
 #include "hgros/codec/run_time_type.hpp"
 
 namespace hgros {
@@ -25,6 +26,16 @@ void RequireFittingType(Channel& channel, const TypeInfo& type, const CallSite& 
       "The channel \"" + channel.name() + "\" carries " + named(channel.type()) + " (first used with it at " +
           channel.declared_at() + ") and cannot be used with " + named(type) + ".",
       where.ToString(), "Use one type for a channel everywhere, or give one of the two another channel name.");
+}
+
+void RequireNodeName(const std::string& name) {
+  constexpr std::size_t kMostBytes = 1000;  // Those of components have the names of component and channel.
+  const char* const fault = name.size() > kMostBytes ? "it has more than 1000 bytes"
+                            : IsReadable(name)       ? nullptr
+                                                     : "it has control characters, or is not UTF-8";
+  if (fault == nullptr) return;
+  throw Error("The node name \"" + Readable(name, 64) + "\" cannot be used: " + fault + ".", {},
+              "Use visible UTF-8 text, such as \"mapper\".");
 }
 
 }  // namespace
@@ -60,6 +71,7 @@ std::shared_ptr<Node> GraphCore::Subscribe(Channel& channel, const TypeInfo& typ
   NodeSetting setting;
   setting.name =
       options.name.empty() ? channel.name() + "#" + std::to_string(channel.NextNodeNumber()) : std::move(options.name);
+  RequireNodeName(setting.name);
   setting.channel = channel.name();
   setting.invoke = invoke;
   setting.queue = options.queue;

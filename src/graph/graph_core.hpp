@@ -59,7 +59,7 @@ class GraphCore : public std::enable_shared_from_this<GraphCore> {
   [[nodiscard]] TraceRecorder& trace() noexcept { return trace_; }
   [[nodiscard]] Log& log() const noexcept { return *log_; }
   [[nodiscard]] const MessageId& publisher() const noexcept { return options_.publisher; }
-  [[nodiscard]] const Channel* Find(std::string_view name) const noexcept { return channels_.Find(name); }
+  [[nodiscard]] Channel* Find(std::string_view name) const noexcept { return channels_.Find(name); }
   [[nodiscard]] std::vector<Channel*> Channels() const { return channels_.All(); }
 
  private:

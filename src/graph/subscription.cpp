@@ -115,8 +115,8 @@ void Subscription::End(bool wait) {
     LeaveToParent(std::move(core));
     return;
   }
-  companion.reset();  // First the source of messages, then the node.
   state->channel->Remove(*node);
+  companion.reset();  // The source of messages. When it ends, the channel may have no nodes left.
   if (wait) {
     CloseAndWait(*node);
   } else {

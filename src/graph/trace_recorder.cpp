@@ -9,12 +9,13 @@
 #include "graph/nodes/callback_scope.hpp"
 #include "graph/nodes/node.hpp"
 #include "hgros/base/message_key.hpp"
+#include "hgros/base/thread_local.hpp"
 
 namespace hgros {
 namespace {
 
 std::uint32_t ThisThread() noexcept {
-  thread_local const auto id = static_cast<std::uint32_t>(gettid());
+  HGROS_THREAD_LOCAL const auto id = static_cast<std::uint32_t>(gettid());
   return id;
 }
 

@@ -1,6 +1,7 @@
 #include "params/declared_params.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "hgros/base/names.hpp"
 #include "hgros/yaml/scalar_text.hpp"
@@ -62,6 +63,13 @@ ParamNodePtr DeclaredParams::WithFallbacks(ParamNodePtr root, const ParamPath& c
     if (param_tree::Find(root, entry.path) == nullptr) root = param_tree::With(root, entry.path, entry.fallback);
   }
   return root;
+}
+
+void DeclaredParams::RequireRange(const Entry& entry) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (entry.info.least.value_or(-kInfinity) <= entry.info.most.value_or(kInfinity)) return;  // A NaN is neither.
+  throw ParamError("No value of " + entry.path.ToString() + " can be " + RangeText(entry.info) + ".", {},
+                   "Correct its bounds.");
 }
 
 void DeclaredParams::RequireGood(const Entry& entry, const ParamView& value) {

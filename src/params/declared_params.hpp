@@ -29,6 +29,8 @@ class DeclaredParams {
 
   // Sets every declared parameter that `root` lacks since `changed` was set to its default.
   [[nodiscard]] ParamNodePtr WithFallbacks(ParamNodePtr root, const ParamPath& changed) const;
+  // Throws ParamError if no value can be within the bounds.
+  static void RequireRange(const Entry& entry);
   // Throws ParamError if the value has the wrong type or is out of bounds.
   static void RequireGood(const Entry& entry, const ParamView& value);
   // Throws ParamError if `event` is not allowed.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "hgros/params/param_error.hpp"
 #include "hgros/yaml/quoted.hpp"
@@ -11,6 +12,8 @@ namespace {
 
 // A deeper tree could not be read back from YAML.
 constexpr std::size_t kMaxSteps = 63;
+// A longer key could neither: YAML finds the colon behind it within 1024 characters only.
+constexpr std::size_t kMaxKeyBytes = 1000;
 
 bool IsPlain(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '/';
@@ -33,7 +36,11 @@ class Reader {
         Fail(text_.substr(0, 200), "it has more than " + std::to_string(kMaxSteps) + " steps");
       }
       if (wants_key) {
-        steps.emplace_back(Key());
+        std::string key = Key();
+        if (key.size() > kMaxKeyBytes) {
+          Fail(text_.substr(0, 200), "a key has more than " + std::to_string(kMaxKeyBytes) + " bytes");
+        }
+        steps.emplace_back(std::move(key));
         wants_key = false;
       } else if (text_[at_] == '.') {
         ++at_;

@@ -106,6 +106,7 @@ ParamNodePtr ParamServer::Core::root() const {
 
 ParamNodePtr ParamServer::Core::Declare(DeclaredParams::Entry entry) {
   RequireFree(entry.path);
+  DeclaredParams::RequireRange(entry);
   DeclaredParams::RequireGood(entry, ParamView(entry.fallback, entry.path));
   const std::scoped_lock lock(mutex_);
   std::erase_if(unknown_, [&](const ParamOverride& one) { return ParamPath::Parse(one.path).Overlaps(entry.path); });

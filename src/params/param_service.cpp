@@ -38,6 +38,7 @@ class ParamService::Core {
   const ForkGuard fork;  // A child has none of the threads.
   Core(Session& session, ParamServer& server, const std::string& name, LogSink log)
       : server_(server),
+        session_(session.id()),
         name_(name),
         log_(std::move(log)),
         channels_(name),
@@ -155,12 +156,17 @@ class ParamService::Core {
     if (state.life() == life_ || state.ended()) return;
     // What offered them earlier hears of this one, and says so itself, unless it ends at this moment.
     if (info.publish_monotonic_ns < began_ns_) return;
+    const SessionId other{info.id.publisher};
     log_.WriteLimited(LogLevel::kError, "another",
-                      "Session " + SessionId{info.id.publisher}.ToString() + " offers parameters under the name \"" +
-                          name_ + "\", as this session does, so both are asked. Give one of them another name.");
+                      other == session_
+                          ? "This session offers parameters under the name \"" + name_ +
+                                "\" more than once, so all of these are asked. Offer them once, or under other names."
+                          : "Session " + other.ToString() + " offers parameters under the name \"" + name_ +
+                                "\", as this session does, so both are asked. Give one of them another name.");
   }
 
   ParamServer& server_;
+  const SessionId session_;
   const std::string name_;
   Log log_;
   const param_wire::Channels channels_;

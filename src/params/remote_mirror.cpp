@@ -61,22 +61,26 @@ bool RemoteMirror::AwaitAnswer(const ParamsQuestion& question, Deadline until) {
   return changed_.wait_until(lock, until, [&] { return ended_ || waiting->second.has_value(); });
 }
 
-RemoteMirror::Outcome RemoteMirror::Wait(const ParamsQuestion& question, Deadline deadline) {
+std::optional<RemoteMirror::Outcome> RemoteMirror::Wait(const ParamsQuestion& question, Deadline until) {
   std::unique_lock lock(mutex_);
   const auto waiting = answers_.find(question.number());
-  if (!changed_.wait_until(lock, deadline, [&] { return ended_ || waiting->second.has_value(); })) {
-    return {{}, "The session \"" + name_ + "\" did not answer in time, but it may still do so."};
-  }
-  if (!waiting->second) return Ended();
-  const ParamsAnswer& answer = *waiting->second;
-  if (!answer.refusal().empty()) return {{}, answer.refusal()};
-  const auto told = [&] { return life_ == answer.life() && version_ >= answer.version(); };
-  if (!changed_.wait_until(lock, deadline, [&] { return ended_ || told(); })) {
+  const auto refused = [&] { return waiting->second && !waiting->second->refusal().empty(); };
+  const auto told = [&] {
+    return waiting->second && life_ == waiting->second->life() && version_ >= waiting->second->version();
+  };
+  if (!changed_.wait_until(lock, until, [&] { return ended_ || refused() || told(); })) return std::nullopt;
+  if (refused()) return Outcome{{}, waiting->second->refusal()};
+  if (!told()) return Ended();
+  if (!fault_.empty()) return Outcome{{}, fault_};
+  return Outcome{state_, {}};
+}
+
+RemoteMirror::Outcome RemoteMirror::Late(const ParamsQuestion& question) const {
+  const std::scoped_lock lock(mutex_);
+  if (answers_.at(question.number())) {
     return {{}, "The session \"" + name_ + "\" answered, but its parameters did not arrive in time."};
   }
-  if (!told()) return Ended();
-  if (!fault_.empty()) return {{}, fault_};
-  return {state_, {}};
+  return {{}, "The session \"" + name_ + "\" did not answer in time, but it may still do so."};
 }
 
 void RemoteMirror::EndWaits() noexcept {

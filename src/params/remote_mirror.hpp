@@ -41,8 +41,10 @@ class RemoteMirror {
   [[nodiscard]] ParamsQuestion NextQuestion();
   // Waits for the answer. False if there is none at `until`. True also after EndWaits().
   [[nodiscard]] bool AwaitAnswer(const ParamsQuestion& question, Deadline until);
-  // Waits for the answer and for the state that belongs to it.
-  [[nodiscard]] Outcome Wait(const ParamsQuestion& question, Deadline deadline);
+  // Waits for the answer and for the state that belongs to it. Empty if they are not there at `until`.
+  [[nodiscard]] std::optional<Outcome> Wait(const ParamsQuestion& question, Deadline until);
+  // Why the wait was in vain.
+  [[nodiscard]] Outcome Late(const ParamsQuestion& question) const;
   void Forget(const ParamsQuestion& question);
   // All waits end, also later ones.
   void EndWaits() noexcept;

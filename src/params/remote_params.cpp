@@ -14,7 +14,8 @@ namespace hgros {
 namespace {
 
 constexpr std::size_t kWaitingAnswers = 256;
-constexpr auto kLookForEnd = std::chrono::milliseconds(100);  // Of the wait for somebody who offers them.
+constexpr auto kLookForEnd = std::chrono::milliseconds(100);  // How often a wait looks whether somebody offers them.
+constexpr auto kLastState = std::chrono::milliseconds(300);   // For the last state of a session that ends.
 constexpr auto kFirstPause = std::chrono::milliseconds(100);  // Before the first repetition of a question.
 
 // True if `path` is `top` or is below it.
@@ -71,7 +72,7 @@ class RemoteParams::Core {
     question.set_create(if_missing == IfMissing::kCreate);
     RemoteMirror::Outcome outcome;
     if (const PublishStatus status = Say(question, deadline); status == PublishStatus::kOk) {
-      outcome = mirror_->Wait(question, deadline);
+      outcome = Wait(question, deadline);
     } else {
       outcome.refusal = "The session \"" + name_ + "\" could not be asked: " + CauseOf(status) + ".";
     }
@@ -110,6 +111,18 @@ class RemoteParams::Core {
       if (status != PublishStatus::kOk && status != PublishStatus::kFull) return status;
       const auto until = DeadlineIn(pause);
       if (until >= deadline || mirror_->AwaitAnswer(question, until)) return PublishStatus::kOk;
+    }
+  }
+  // A session may end after its answer, and before its state arrives.
+  RemoteMirror::Outcome Wait(const ParamsQuestion& question, std::chrono::steady_clock::time_point deadline) const {
+    for (;;) {
+      const auto now = std::chrono::steady_clock::now();
+      if (auto outcome = mirror_->Wait(question, std::min(deadline, now + kLookForEnd))) return *std::move(outcome);
+      if (std::chrono::steady_clock::now() >= deadline) return mirror_->Late(question);
+      if (!mirror_->AwaitAnswer(question, now)) continue;  // It may be starting again.
+      if (session_.WaitForSubscribers(channels_.ask, 1, std::chrono::nanoseconds(0))) continue;
+      if (auto outcome = mirror_->Wait(question, DeadlineIn(kLastState))) return *std::move(outcome);
+      return {{}, "The session \"" + name_ + "\" has ended after its answer, and its parameters have not arrived."};
     }
   }
   bool AwaitOffer(std::chrono::steady_clock::time_point deadline) const {

@@ -3,16 +3,23 @@
 #include <algorithm>
 #include <string_view>
 
+#include "hgros/base/readable_text.hpp"
 #include "hgros/yaml/scalar_text.hpp"
 
 namespace hgros::yaml_writing {
 namespace {
 
-// In double quotes, with the escapes that YAML knows.
+// In double quotes, with the escapes that YAML knows. What Readable() escapes has such escapes.
 std::string Quoted(std::string_view text) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string quoted = "\"";
-  for (const char c : text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (const std::size_t length = Utf8Length(text.substr(i)); length > 1) {
+      quoted += Readable(text.substr(i, length));
+      i += length - 1;
+      continue;
+    }
     const auto byte = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\') {
       quoted += {'\\', c};

@@ -114,6 +114,16 @@ bool RobotFile::Is(const std::filesystem::path& file, const std::vector<std::str
   }
 }
 
+void RobotFile::Place(std::string_view component, std::string_view process) {
+  for (RobotProcess& one : processes) {
+    std::erase(one.components, component);
+    if (one.name == process) one.components.emplace_back(component);
+  }
+  for (RobotComponent& one : components) {
+    if (one.setup.name == component) one.process = process;
+  }
+}
+
 const RobotComponent* RobotFile::FindComponent(std::string_view name) const {
   const auto found = std::ranges::find_if(components, [name](const auto& one) { return one.setup.name == name; });
   return found == components.end() ? nullptr : &*found;

@@ -1,11 +1,13 @@
 #include "services/call_state.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "hgros/base/thread_local.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "hgros/services/services.hpp"
 #include "services/call_table.hpp"
-#include "services/service_client.hpp"
+#include "services/service_caller.hpp"
 #include "services/service_host.hpp"
 
 namespace hgros {
@@ -15,7 +17,7 @@ namespace {
 constexpr int kMaxNestedRequests = 16;
 // A server offers its replies when the first request comes. After this time, the offer should be known.
 constexpr auto kTimeForAnOffer = std::chrono::milliseconds(100);
-thread_local int nested_requests = 0;
+HGROS_THREAD_LOCAL int nested_requests = 0;
 
 }  // namespace
 
@@ -27,17 +29,19 @@ CallEnd NotWritten(const std::string& service, PublishStatus status) {
 }
 
 std::string InWords(std::chrono::nanoseconds time) {
+  time = std::max(time, std::chrono::nanoseconds::zero());
   if (time < std::chrono::milliseconds(1)) return std::to_string(time.count() / 1000) + " us";
   return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) + " ms";
 }
 
 CallState::CallState(std::string service, std::shared_ptr<CallTable> table,
-                     std::shared_ptr<WaitingCallers> waiting_callers, AnyAnswer callback)
+                     std::shared_ptr<WaitingCallers> waiting_callers, AnyAnswer callback, bool answers_inline)
     : may_be_waited_for_(!callback && !DataGraph::InCallback()),
       service_(std::move(service)),
       table_(std::move(table)),
       waiting_callers_(std::move(waiting_callers)),
-      callback_(std::move(callback)) {}
+      callback_(std::move(callback)),
+      answers_inline_(answers_inline) {}
 
 void CallState::Finish(CallEnd end) { Finish(std::unique_lock(mutex_), std::move(end)); }
 
@@ -64,7 +68,9 @@ void CallState::Finish(std::unique_lock<std::mutex> lock, CallEnd end) {
   lock.unlock();
   changed_.notify_all();
   if (!callback) return;
-  table_->Answer(std::make_shared<const AnsweredCall>(AnsweredCall{std::move(callback), end_}));
+  AnsweredCall answered{service_, std::move(callback), end_};
+  if (answers_inline_) return table_->RunCallback(answered);
+  table_->Answer(std::make_shared<const AnsweredCall>(std::move(answered)));
 }
 
 void CallState::Refuse(CallFailure failure) { Finish({nullptr, std::move(failure)}); }
@@ -129,7 +135,7 @@ void CallState::Cancel() noexcept {
       number, Failed(CallFailure::Kind::kCancelled, "The call of service \"" + service_ + "\" was cancelled."));
   if (!ended) return;
   std::shared_ptr<ServiceHost> host;
-  std::shared_ptr<ServiceClient> client;
+  std::shared_ptr<ServiceCaller> client;
   {
     const std::scoped_lock lock(mutex_);
     host = host_.lock();
@@ -147,7 +153,7 @@ bool CallState::GoesTo(const std::shared_ptr<ServiceHost>& host) {
   return true;
 }
 
-bool CallState::GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server, std::uint64_t ends_before) {
+bool CallState::GoesTo(const std::shared_ptr<ServiceCaller>& client, SessionId server, std::uint64_t ends_before) {
   const std::scoped_lock lock(mutex_);
   if (done()) return false;
   client_ = client;
@@ -156,13 +162,13 @@ bool CallState::GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId s
   return true;
 }
 
-void CallState::AwaitsServerOf(const std::shared_ptr<ServiceClient>& client) {
+void CallState::AwaitsServerOf(const std::shared_ptr<ServiceCaller>& client) {
   const std::scoped_lock lock(mutex_);
   client_ = client;
   server_ = {};
 }
 
-bool CallState::IsOf(const ServiceClient& client) const {
+bool CallState::IsOf(const ServiceCaller& client) const {
   const std::scoped_lock lock(mutex_);
   return client_.lock().get() == &client;
 }
@@ -172,7 +178,7 @@ std::shared_ptr<ServiceHost> CallState::host() const {
   return host_.lock();
 }
 
-std::shared_ptr<ServiceClient> CallState::client() const {
+std::shared_ptr<ServiceCaller> CallState::client() const {
   const std::scoped_lock lock(mutex_);
   return client_.lock();
 }

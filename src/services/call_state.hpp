@@ -19,10 +19,11 @@
 namespace hgros {
 
 class CallTable;
-class ServiceClient;
+class ServiceCaller;
 
-// A callback to call, and its argument.
+// A callback to call, its argument, and the service that was called.
 struct AnsweredCall {
+  std::string service;
   AnyAnswer callback;
   CallEnd end;
 };
@@ -36,7 +37,7 @@ class CallState final : public PendingCall,
                         public std::enable_shared_from_this<CallState> {
  public:
   CallState(std::string service, std::shared_ptr<CallTable> table, std::shared_ptr<WaitingCallers> waiting_callers,
-            AnyAnswer callback);
+            AnyAnswer callback, bool answers_inline);
 
   const CallEnd& Wait() override;
   [[nodiscard]] bool done() const noexcept override { return done_.load(std::memory_order_acquire); }
@@ -54,9 +55,9 @@ class CallState final : public PendingCall,
   // caller may have been told that no server got it.
   [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceHost>& host);
   // `ends_before`: how often a server has ended the service before.
-  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceClient>& client, SessionId server, std::uint64_t ends_before);
-  void AwaitsServerOf(const std::shared_ptr<ServiceClient>& client);
-  [[nodiscard]] bool IsOf(const ServiceClient& client) const;
+  [[nodiscard]] bool GoesTo(const std::shared_ptr<ServiceCaller>& client, SessionId server, std::uint64_t ends_before);
+  void AwaitsServerOf(const std::shared_ptr<ServiceCaller>& client);
+  [[nodiscard]] bool IsOf(const ServiceCaller& client) const;
   [[nodiscard]] SessionId server() const;
   [[nodiscard]] std::uint64_t ends_before() const;
   [[nodiscard]] bool has_server() const;
@@ -76,7 +77,7 @@ class CallState final : public PendingCall,
   [[nodiscard]] CallEnd Overdue(bool served, const std::string& hint) const;
   void RunRequestsWhileWaiting();
   [[nodiscard]] std::shared_ptr<ServiceHost> host() const;
-  [[nodiscard]] std::shared_ptr<ServiceClient> client() const;
+  [[nodiscard]] std::shared_ptr<ServiceCaller> client() const;
 
   const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   const bool may_be_waited_for_;
@@ -87,11 +88,12 @@ class CallState final : public PendingCall,
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   AnyAnswer callback_;
+  const bool answers_inline_;
   std::atomic<bool> done_{false};
   bool nudged_ = false;
   CallEnd end_;
   std::weak_ptr<ServiceHost> host_;
-  std::weak_ptr<ServiceClient> client_;
+  std::weak_ptr<ServiceCaller> client_;
   SessionId server_;
   std::uint64_t ends_before_ = 0;
 };

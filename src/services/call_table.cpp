@@ -114,16 +114,21 @@ void CallTable::Answer(const std::shared_ptr<const AnsweredCall>& answered) {
   answering_.fetch_add(1, std::memory_order_relaxed);
   if (answers(answered) == PublishStatus::kOk) return;
   answering_.fetch_sub(1, std::memory_order_relaxed);
-  const auto failed = [this](const char* what) {
-    log_->WriteLimited(LogLevel::kError, "answer callback",
-                       std::string("The callback of a call threw: ") + what + ". The call has ended.");
+  RunCallback(*answered);
+}
+
+void CallTable::RunCallback(const AnsweredCall& answered) noexcept {
+  const auto failed = [&](const char* what) {
+    log_->WriteLimited(
+        LogLevel::kError, "answer callback " + answered.service,
+        "The callback of a call of service \"" + answered.service + "\" threw: " + what + ". The call has ended.");
   };
   try {
-    answered->callback(answered->end);
+    answered.callback(answered.end);
   } catch (const std::exception& error) {
     failed(error.what());
   } catch (const ForcedUnwind&) {
-    EndAfterForcedUnwind(*log_, "The callback of a call");
+    EndAfterForcedUnwind(*log_, "The callback of a call of service \"" + answered.service + "\"");
   } catch (...) {
     failed("something that is not a std::exception");
   }

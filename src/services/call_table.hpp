@@ -25,7 +25,8 @@ namespace hgros {
 // starts with the first call that has a timeout, and wakes only for due calls.
 //
 // Thread safety: all functions. Invariants: a call is in the table until it ends. The thread that removes it ends it,
-// once, outside the table's lock. The table's own thread runs no user code: callbacks go to a node of the graph.
+// once, outside the table's lock. The table's own thread runs no user code but inline callbacks: others go to a node of
+// the graph.
 class CallTable {
  public:
   // Maximum number of pending calls, including ended ones whose callbacks have not run yet.
@@ -53,6 +54,8 @@ class CallTable {
   // here: on the thread that closes it, or on the caller's thread if its call was refused.
   void SetAnswers(Publisher<AnsweredCall> answers);
   void Answer(const std::shared_ptr<const AnsweredCall>& answered);
+  // What the callback throws is logged with the service: the node behind `answers` does not know it.
+  void RunCallback(const AnsweredCall& answered) noexcept;
   void Answered() noexcept { answering_.fetch_sub(1, std::memory_order_relaxed); }
 
  private:

@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros {
 namespace {
 
-thread_local HandledRequest::Due due_here;
+HGROS_THREAD_LOCAL HandledRequest::Due due_here;
 
 }  // namespace
 

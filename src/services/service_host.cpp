@@ -5,6 +5,8 @@
 
 #include "hgros/base/error.hpp"
 #include "hgros/base/forced_unwind.hpp"
+#include "hgros/base/readable_text.hpp"
+#include "hgros/base/thread_local.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/graph/delivered_credit.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
@@ -35,7 +37,7 @@ class ServiceHost::Running {
   }
 
  private:
-  static inline thread_local const Running* innermost = nullptr;
+  static inline HGROS_THREAD_LOCAL const Running* innermost = nullptr;
   const ServiceHost& host_;
   const Running* const outer_;
 };
@@ -246,17 +248,17 @@ void ServiceHost::Handle(const Waiting& waiting) {
     text = "The handler threw something that is not a std::exception.";
   }
   if (reply) text.clear();
-  Answer(request, outcome, std::move(text), std::move(reply), waiting.due);
+  Answer(request, outcome, text, std::move(reply), waiting.due);
 }
 
-void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply,
-                         std::optional<std::chrono::steady_clock::time_point> due) {
+void ServiceHost::Answer(const CallMessage& request, CallMessage::Outcome outcome, const std::string& text,
+                         AnyMessage reply, std::optional<std::chrono::steady_clock::time_point> due) {
   auto answer = std::make_shared<CallMessage>();
   answer->caller = request.caller;
   answer->server = session_.value;
   answer->call = request.call;
   answer->outcome = outcome;
-  answer->text = std::move(text);
+  answer->text = AsUtf8(text);
   answer->body = std::move(reply);
   answer->type = setting_.reply_body;
   answer->cause = Cause::Here();

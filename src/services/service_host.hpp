@@ -79,8 +79,8 @@ class ServiceHost : public std::enable_shared_from_this<ServiceHost> {
   // Runs one request. False if there is none, or another one is being handled.
   bool Turn(std::optional<std::uint64_t> own_call, bool helps);
   void Handle(const Waiting& waiting);
-  void Answer(const CallMessage& request, CallMessage::Outcome outcome, std::string text, AnyMessage reply = nullptr,
-              std::optional<std::chrono::steady_clock::time_point> due = std::nullopt);
+  void Answer(const CallMessage& request, CallMessage::Outcome outcome, const std::string& text,
+              AnyMessage reply = nullptr, std::optional<std::chrono::steady_clock::time_point> due = std::nullopt);
   // Why the queue takes no request of so many bytes; empty if it does. Under mutex_.
   [[nodiscard]] std::string WhyFull(std::size_t bytes) const;
   // Removes it from the queue. Under mutex_.

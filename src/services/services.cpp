@@ -8,7 +8,7 @@
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "services/call_table.hpp"
-#include "services/service_client.hpp"
+#include "services/service_caller.hpp"
 #include "services/service_host.hpp"
 #include "services/waiting_callers.hpp"
 
@@ -111,9 +111,9 @@ std::shared_ptr<ServiceHost> Services::HostOf(std::string_view name) const {
 
 void Services::AwaitWiring() const { const std::scoped_lock wiring(wiring_mutex_); }
 
-std::vector<std::shared_ptr<ServiceClient>> Services::Clients() const {
+std::vector<std::shared_ptr<ServiceCaller>> Services::Clients() const {
   AwaitWiring();  // A client that is being wired gets peer events before it is in the list.
-  std::vector<std::shared_ptr<ServiceClient>> all;
+  std::vector<std::shared_ptr<ServiceCaller>> all;
   const std::shared_lock lock(mutex_);
   for (const auto& [name, client] : clients_) all.push_back(client);
   return all;
@@ -157,7 +157,7 @@ std::shared_ptr<ServiceHost> Services::Serve(ServiceSetting setting, NodeOptions
   waiting_callers_->Add(host);
   waiting_callers_->Nudge();
   OnAnnouncements();
-  std::shared_ptr<ServiceClient> client;
+  std::shared_ptr<ServiceCaller> client;
   {
     const std::shared_lock lock(mutex_);
     if (const auto found = clients_.find(name); found != clients_.end()) client = found->second;
@@ -174,8 +174,8 @@ void Services::Forget(const ServiceHost& host) {
   second_servers_.erase(host.setting().name);
 }
 
-std::shared_ptr<ServiceClient> Services::ClientOf(std::string_view name, const Request& request) {
-  const auto find = [&]() -> std::shared_ptr<ServiceClient> {
+std::shared_ptr<ServiceCaller> Services::ClientOf(std::string_view name, const Request& request) {
+  const auto find = [&]() -> std::shared_ptr<ServiceCaller> {
     const std::shared_lock lock(mutex_);
     const auto found = clients_.find(name);
     return found == clients_.end() ? nullptr : found->second;
@@ -183,7 +183,7 @@ std::shared_ptr<ServiceClient> Services::ClientOf(std::string_view name, const R
   if (auto known = find()) return known;
   const std::scoped_lock wiring(wiring_mutex_);
   if (auto known = find()) return known;
-  auto client = std::make_shared<ServiceClient>(std::string(name), request.request, request.reply, shared_from_this());
+  auto client = std::make_shared<ServiceCaller>(std::string(name), request.request, request.reply, shared_from_this());
   client->Start();
   const std::scoped_lock lock(mutex_);
   clients_.emplace(std::string(name), client);
@@ -192,8 +192,9 @@ std::shared_ptr<ServiceClient> Services::ClientOf(std::string_view name, const R
 
 std::shared_ptr<PendingCall> Services::Call(std::string_view name, Request request, AnyAnswer callback) {
   RequireServiceName(name);
-  if (callback) OpenAnswers();
-  auto call = std::make_shared<CallState>(std::string(name), calls_, waiting_callers_, std::move(callback));
+  if (callback && !request.answers_inline) OpenAnswers();
+  auto call = std::make_shared<CallState>(std::string(name), calls_, waiting_callers_, std::move(callback),
+                                          request.answers_inline);
   call->timeout = request.timeout;
   call->message = std::make_shared<CallMessage>();
   call->message->caller = id_.value;
@@ -259,7 +260,7 @@ void Services::OpenAnswers() {
         channel, Invoke::kConcurrent,
         [calls = calls_](const AnsweredCall& answered) {
           calls->Answered();
-          answered.callback(answered.end);
+          calls->RunCallback(answered);
         },
         std::move(options));
     calls_->SetAnswers(place.Graph().Advertise<AnsweredCall>(channel));
@@ -379,7 +380,7 @@ void Services::Close() {
     const std::unique_lock lock(place_mutex_);
     place_ = nullptr;
   }
-  std::map<std::string, std::shared_ptr<ServiceClient>, std::less<>> clients;
+  std::map<std::string, std::shared_ptr<ServiceCaller>, std::less<>> clients;
   {
     const std::scoped_lock lock(mutex_);
     clients.swap(clients_);

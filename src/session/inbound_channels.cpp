@@ -44,13 +44,30 @@ std::shared_ptr<const void> InboundChannels::Add(const std::shared_ptr<InboundCh
     if (!inflow.inlet) {
       inflow.inlet = std::make_shared<ChannelInlet>(channel, IsReplyChannel(name), means.log, means.on_change,
                                                     means.post, means.tell_misfit, means.clocks);
-    } else if (inflow.joined && !IsAnyType(type)) {
+    } else if (inflow.joined && !IsAnyType(DataGraph::TypeOfChannel(channel))) {
       means.post([inlet = inflow.inlet] { inlet->CompareOffers(); });
     }
     if (inflow.joined) self->TellDemand(name, inflow);
   }
   self->Reconcile(name, false);
   return ticket;
+}
+
+std::shared_ptr<const void> InboundChannels::Expect(const std::shared_ptr<InboundChannels>& self,
+                                                    const std::string& channel) {
+  const std::scoped_lock lock(self->mutex_);
+  const auto entry = self->inflows_.find(channel);
+  if (entry == self->inflows_.end()) return nullptr;
+  ++entry->second.expected;
+  return {self.get(), [self, channel](const void*) { self->ExpectNoMore(channel); }};
+}
+
+void InboundChannels::ExpectNoMore(const std::string& channel) {
+  const std::scoped_lock lock(mutex_);
+  if (closed_) return;
+  Inflow& inflow = inflows_.at(channel);
+  if (--inflow.expected > 0 || !inflow.joined || !inflow.wanted.empty()) return;
+  means_.post([this, channel] { Reconcile(channel, true); });
 }
 
 void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::iterator demand, bool raw) {
@@ -96,7 +113,10 @@ void InboundChannels::Reconcile(const std::string& channel, bool may_wait) {
       break;
     }
     if (inflow.joined) {
-      lock.unlock();
+      {
+        const auto left = inflow.wanted.empty() ? inflow.inlet->Leave() : Fifo<InboundMessage>();
+        lock.unlock();
+      }
       inflow.inlet->Detach();
       lock.lock();
       inflow.joined = false;

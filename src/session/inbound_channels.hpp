@@ -44,6 +44,10 @@ class InboundChannels {
   // Adds a subscription's demand until the result is destroyed, which may happen after the end of the session.
   [[nodiscard]] static std::shared_ptr<const void> Add(const std::shared_ptr<InboundChannels>& self, Channel& channel,
                                                        const TypeInfo& type, const Demand& demand);
+  // A subscription is about to be made. Until the result is destroyed, a channel that is received stays so. Otherwise
+  // the subscription would miss what is published between the end of the old links and its demand.
+  [[nodiscard]] static std::shared_ptr<const void> Expect(const std::shared_ptr<InboundChannels>& self,
+                                                          const std::string& channel);
   // From now on, channels with subscriptions are received through `bridge`.
   void Join(NetworkBridge& bridge);
   // A forbidden channel is not received. Returns whether this ends a lossless subscription: messages on their way are
@@ -70,7 +74,8 @@ class InboundChannels {
   struct Inflow {
     std::shared_ptr<ChannelInlet> inlet;
     std::list<Demand> wanted;
-    std::size_t raw = 0;  // Number of demands for any type.
+    std::size_t raw = 0;       // Number of demands for any type.
+    std::size_t expected = 0;  // Number of results of Expect().
     bool joined = false;
     bool busy = false;  // A thread is in Reconcile() for this channel.
     // Requests may have come that nobody took. It must be subscribed to again, which shows it to the callers.
@@ -78,6 +83,7 @@ class InboundChannels {
   };
   class DemandTicket;
 
+  void ExpectNoMore(const std::string& channel);
   void Withdraw(const std::string& channel, std::list<Demand>::iterator demand, bool raw);
   // Passes what all demands together ask for to the publishers and to the announcement.
   void TellDemand(const std::string& channel, const Inflow& inflow) const;
@@ -88,7 +94,7 @@ class InboundChannels {
   [[nodiscard]] static bool AsksForTooMuch(const Inflow& inflow);
   // Whether the bridge has to receive the channel.
   [[nodiscard]] bool IsWanted(const std::string& channel, const Inflow& inflow) const {
-    return !inflow.wanted.empty() && !forbidden_.contains(channel);
+    return (!inflow.wanted.empty() || (inflow.joined && inflow.expected > 0)) && !forbidden_.contains(channel);
   }
   [[nodiscard]] static Demand Combine(const std::list<Demand>& wanted);
 

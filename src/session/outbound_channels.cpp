@@ -148,15 +148,19 @@ OutboundChannels::Waiting OutboundChannels::Unsent() const {
 }
 
 // Here, because the transports would wait one after another.
-std::chrono::milliseconds OutboundChannels::AwaitSent(std::chrono::milliseconds at_most,
-                                                      std::chrono::milliseconds at_most_with_progress,
-                                                      const ChangeSignal& changes) const {
+OutboundChannels::TimeLeft OutboundChannels::AwaitSent(std::chrono::milliseconds at_most,
+                                                       std::chrono::milliseconds at_most_with_progress,
+                                                       const ChangeSignal& changes) const {
   constexpr std::chrono::milliseconds kPause{1};  // Credit is no change of the session.
   constexpr std::chrono::milliseconds kTimeForGoodbye{50};
   auto deadline = std::chrono::steady_clock::now() + at_most;
   const auto last_deadline = std::chrono::steady_clock::now() + std::max(at_most, at_most_with_progress);
   Waiting rest = Unsent();
   const auto all_sent = [this] { return Unsent().messages == 0; };
+  const auto time_left = [&](std::chrono::milliseconds linger) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(last_deadline - std::chrono::steady_clock::now());
+    return TimeLeft{static_cast<int>(linger.count()), static_cast<int>(std::max(kTimeForGoodbye, left).count())};
+  };
   const auto late = [&] { return std::chrono::steady_clock::now() > deadline - 2 * kTimeForGoodbye; };
   while (!changes.WaitUntil(kPause, all_sent, late)) {
     if (!late()) continue;
@@ -167,11 +171,11 @@ std::chrono::milliseconds OutboundChannels::AwaitSent(std::chrono::milliseconds 
     }
     if (rest.messages == 0) break;
     log_->Write(LogLevel::kWarning, "The session ends, but a lossless subscriber of channel \"" + rest.channel +
-                                        "\" does not take its messages. The rest is lost.");
-    return kTimeForGoodbye;
+                                        "\" does not take its messages. The rest is lost: up to " +
+                                        std::to_string(rest.messages) + " messages.");
+    return time_left(2 * kTimeForGoodbye);
   }
-  return std::max(kTimeForGoodbye,
-                  std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()));
+  return time_left(at_most);
 }
 
 void OutboundChannels::Detach() {

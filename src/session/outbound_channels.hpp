@@ -48,11 +48,14 @@ class OutboundChannels {
   // Creates no more outlets.
   void Close();
   // Waits until everything was sent to lossless subscribers: `at_most` without progress, and `at_most_with_progress`
-  // while the number of messages falls. Logs it if they do not take it in time. Returns the time that is left for the
+  // while the number of messages falls. Logs it if they do not take it in time. Returns the times that are left for the
   // rest of the end.
-  [[nodiscard]] std::chrono::milliseconds AwaitSent(std::chrono::milliseconds at_most,
-                                                    std::chrono::milliseconds at_most_with_progress,
-                                                    const ChangeSignal& changes) const;
+  struct TimeLeft {
+    int linger_ms = 0;  // Without progress.
+    int at_most_ms = 0;
+  };
+  [[nodiscard]] TimeLeft AwaitSent(std::chrono::milliseconds at_most, std::chrono::milliseconds at_most_with_progress,
+                                   const ChangeSignal& changes) const;
   // Later publishes stay inside the process.
   void Detach();
 

@@ -4,6 +4,7 @@
 
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
+#include "hgros/config/endpoint_check.hpp"
 #include "hgros/session/session_parts.hpp"
 #include "session/session_core.hpp"
 
@@ -30,6 +31,33 @@ bool SessionParts::SettleInput(std::string_view channel, std::chrono::nanosecond
 }
 bool SessionParts::IsPublished(std::string_view channel) const {
   return session_.core_->outbound_.Find(channel) != nullptr;
+}
+std::vector<SessionParts::LatchedMessage> SessionParts::LatchedOn(std::string_view channel) const {
+  std::vector<LatchedMessage> latched;
+  if (const auto outlet = session_.core_->outbound_.Find(channel)) {
+    for (OutboundMessage& one : outlet->Latched({})) latched.push_back({std::move(one.data), one.head.publish_time_ns});
+  }
+  return latched;
+}
+void SessionParts::KeepLatched(std::string_view channel, std::span<const LatchedMessage> messages, SessionId from) {
+  const auto outlet = session_.core_->outbound_.Find(channel);
+  if (!outlet) return;
+  const TypeInfo& type = outlet->type();
+  const bool raw = IsRunTimeType(type);
+  std::vector<AnyMessage> kept;
+  for (const LatchedMessage& one : messages) {
+    AnyMessage message =
+        raw ? std::make_shared<const RawMessage>(RawMessage{type.run_time->schema, one.data}) : type.decode(one.data);
+    if (message == nullptr) continue;  // Another type than in the other place.
+    if (outlet->KeepLatched(message, one.data, one.publish_time_ns)) kept.push_back(std::move(message));
+  }
+  session_.core_->graph().ReplaceLatched(channel, std::move(kept), raw ? AnyType() : type, from);
+}
+void SessionParts::ForgetLatched(std::string_view channel) {
+  if (const auto outlet = session_.core_->outbound_.Find(channel)) outlet->ForgetLatched();
+  DataGraph& graph = session_.core_->graph();
+  // Nodes that come later beside others get it until the next message: to these, the other place does not send it.
+  if (graph.NodeCount(channel) == 0) graph.ReplaceLatched(channel, {}, AnyType(), {});
 }
 void SessionParts::TakeServicesFrom(SessionId other) { session_.core_->services().TakeFrom(other); }
 void SessionParts::EndWaits() noexcept {
@@ -120,18 +148,20 @@ Service SessionServices::ServeRaw(std::string_view name, const MessageSchema& re
 CallFuture<RawMessage> SessionServices::CallRaw(std::string_view name, const MessageSchema& request_schema,
                                                 const Payload& request, const MessageSchema& reply,
                                                 std::chrono::nanoseconds timeout) {
-  return CallFuture<RawMessage>(CallBytes(name, request_schema, request, reply, timeout, {}));
+  return CallFuture<RawMessage>(CallBytes(name, request_schema, request, reply, timeout, {}, Executor::Tbb()));
 }
 std::shared_ptr<PendingCall> SessionServices::CallBytes(std::string_view name, const MessageSchema& request_schema,
                                                         const Payload& request, const MessageSchema& reply,
-                                                        std::chrono::nanoseconds timeout, AnyAnswer callback) {
+                                                        std::chrono::nanoseconds timeout, AnyAnswer callback,
+                                                        const Executor& executor) {
+  if (executor.kind() == Executor::Kind::kDedicated) throw Error("A callback of a call has no thread of its own.");
   const TypeInfo& body = RunTimeType(request_schema);
   const bool any = reply.type_name.empty();
   auto message = std::make_shared<const RawMessage>(RawMessage{body.run_time->schema, OwnedPayload(request)});
   return CallAny(name,
                  {RunTimeCallType(request_schema), any ? AnyType() : RunTimeCallType(reply), body,
                   any ? AnyType() : RunTimeType(reply)},
-                 std::move(message), timeout, std::move(callback));
+                 std::move(message), timeout, std::move(callback), executor.kind() == Executor::Kind::kInline);
 }
 Service SessionServices::ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
                                   NodeOptions options, const CallSite& where) {
@@ -140,9 +170,11 @@ Service SessionServices::ServeAny(std::string_view name, const CallTypes& types,
                                                  std::move(options), where));
 }
 std::shared_ptr<PendingCall> SessionServices::CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
-                                                      std::chrono::nanoseconds timeout, AnyAnswer callback) {
+                                                      std::chrono::nanoseconds timeout, AnyAnswer callback,
+                                                      bool answers_inline) {
   return services_core_.services().Call(
-      name, {types.request, types.reply, types.request_body, std::move(request), timeout}, std::move(callback));
+      name, {types.request, types.reply, types.request_body, std::move(request), timeout, answers_inline},
+      std::move(callback));
 }
 
 void SessionNetwork::AllowPublishing(std::string_view channel, bool allowed) {
@@ -152,9 +184,11 @@ void SessionNetwork::AllowSubscribing(std::string_view channel, bool allowed) {
   network_core_.Allow(Way::kIn, channel, allowed);
 }
 void SessionNetwork::AddPublisherEndpoint(const EndpointConfig& endpoint) {
+  RequireEndpoint(endpoint.endpoint, EndpointSide::kPublisher);
   network_core_.AddPublisherEndpoint(endpoint);
 }
 void SessionNetwork::AddSubscriberEndpoint(const EndpointConfig& endpoint) {
+  RequireEndpoint(endpoint.endpoint, EndpointSide::kSubscriber);
   network_core_.AddSubscriberEndpoint(endpoint);
 }
 void SessionNetwork::RemoveSubscriberEndpoint(std::string_view endpoint) {
@@ -162,6 +196,14 @@ void SessionNetwork::RemoveSubscriberEndpoint(std::string_view endpoint) {
 }
 std::vector<std::string> SessionNetwork::PublisherEndpoints() const { return network_core_.PublisherEndpoints(); }
 std::optional<ClockOffset> SessionNetwork::OffsetTo(SessionId peer) const { return network_core_.OffsetTo(peer); }
+bool SessionNetwork::ReceiveHere(const std::function<bool()>& done, std::chrono::steady_clock::time_point until) {
+  NetworkBridge* const bridge = network_core_.bridge();
+  receiving_.store(bridge);
+  return bridge != nullptr && bridge->ReceiveHere({.done = done, .until = until});
+}
+void SessionNetwork::WakeReceiver() const noexcept {
+  if (NetworkBridge* const bridge = receiving_.load()) bridge->WakeReceiver();
+}
 std::vector<PeerInfo> SessionNetwork::Peers() const { return network_core_.Peers(); }
 std::vector<KnownChannel> SessionNetwork::Channels() const { return network_core_.Channels(); }
 

@@ -143,10 +143,10 @@ SessionCore::~SessionCore() {
   }
   outbound_.Close();
   changes_.Notify();
-  const auto linger = outbound_.AwaitSent(kLinger, std::chrono::milliseconds(config_.peer_timeout_ms), changes_);
+  const auto left = outbound_.AwaitSent(kLinger, std::chrono::milliseconds(config_.peer_timeout_ms), changes_);
   inbound_->Close();
   if (steering_) steering_->End();
-  if (bridge_) bridge_->Close(static_cast<int>(linger.count()));  // May still post errands: events of peers that go.
+  if (bridge_) bridge_->Close(left.linger_ms, left.at_most_ms);  // May still post errands: events of peers that go.
   outbound_.Detach();
   if (reports_) reports_->Detach();
   timers_->Stop();
@@ -214,8 +214,9 @@ Subscription SessionCore::SubscribeGraph(Channel& channel, const TypeInfo& type,
 
 Subscription SessionCore::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
                                        NodeOptions options) {
-  Subscription subscription = SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
   const std::string& name = DataGraph::NameOf(channel);
+  const auto expected = InboundChannels::Expect(inbound_, name);
+  Subscription subscription = SubscribeGraph(channel, type, invoke, std::move(callback), std::move(options));
   std::string confined;
   bool open_to_others = false;
   {

@@ -70,6 +70,8 @@ class SessionCore final : public TransportListener, private ServicePlace {
   std::vector<KnownChannel> Channels();
   SessionSnapshot Snapshot() const;
   std::optional<ClockOffset> OffsetTo(SessionId peer) const;
+  // Null before there is one. It stays until the session ends.
+  [[nodiscard]] NetworkBridge* bridge() const { return (std::scoped_lock(mutex_), bridge_.get()); }
 
   void OnPeerCame(const PeerInfo& peer) noexcept override;
   void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;

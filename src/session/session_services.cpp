@@ -44,11 +44,8 @@ std::shared_ptr<SessionOutlet> SessionCore::OpenOutlet(const std::string& channe
 }
 
 void SessionCore::Receive(const Visit& visit) noexcept {
-  NetworkBridge* const bridge = [this] {  // It exists as long as services may call.
-    const std::scoped_lock lock(mutex_);
-    return bridge_.get();
-  }();
-  bridge != nullptr ? bridge->Receive(visit) : visit.first();
+  NetworkBridge* const used = bridge();
+  used != nullptr ? used->Receive(visit) : visit.first();
 }
 
 ChannelSearch SessionCore::Search(const std::string& channel) {

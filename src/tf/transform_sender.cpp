@@ -43,18 +43,75 @@ void TransformSender::SendMoving(std::span<const StampedEdge* const> edges) {
   Touch(moving_, lock);
 }
 
-void TransformSender::SendStatic(std::span<const StampedEdge* const> edges) {
+void TransformSender::SendStatic(std::span<const StampedEdge* const> edges, const std::shared_ptr<EdgeSetter>& setter) {
   if (edges.empty()) return;
   std::unique_lock lock(mutex_);
-  auto& all = *static_.waiting.mutable_transforms();
-  for (const StampedEdge* edge : edges) {
-    Append(static_.waiting, edge->parent, edge->child, WallNow(), edge->T_parent_child);
-    const auto [place, is_new] = static_places_.try_emplace(edge->child, all.size() - 1);
-    if (is_new) continue;
-    all.SwapElements(place->second, all.size() - 1);
-    all.RemoveLast();
+  const bool by_constructor = setter && setter->constructing;
+  if (setter && setter->withholds) {
+    for (const StampedEdge* edge : edges) setter->withheld.push_back({*edge, by_constructor});
+    return;
   }
+  for (const StampedEdge* edge : edges) PutStatic(*edge, setter, by_constructor);
   Touch(static_, lock);
+}
+
+void TransformSender::PutStatic(const StampedEdge& edge, const std::shared_ptr<EdgeSetter>& setter,
+                                bool by_constructor) {
+  auto& all = *static_.waiting.mutable_transforms();
+  Append(static_.waiting, edge.parent, edge.child, WallNow(), edge.T_parent_child);
+  const auto [place, is_new] = static_places_.try_emplace(edge.child, StaticPlace{all.size() - 1, {}, false});
+  place->second.setter = setter;
+  place->second.by_constructor = by_constructor;
+  if (is_new) return;
+  all.SwapElements(place->second.index, all.size() - 1);
+  all.RemoveLast();
+}
+
+void TransformSender::SetConstructing(EdgeSetter& setter, bool constructing) {
+  const std::scoped_lock lock(mutex_);
+  setter.constructing = constructing;
+}
+
+std::vector<StampedEdge> TransformSender::Withhold(EdgeSetter& setter) {
+  std::vector<StampedEdge> withdrawn;
+  std::unique_lock lock(mutex_);
+  setter.withholds = true;
+  Message left;
+  for (foxglove::FrameTransform& one : *static_.waiting.mutable_transforms()) {
+    const auto place = static_places_.find(one.child_frame_id());
+    if (place->second.setter.get() == &setter) {
+      withdrawn.push_back({one.parent_frame_id(), one.child_frame_id(), {}, TransformOf(one)});
+      setter.withheld.push_back({withdrawn.back(), place->second.by_constructor});
+      static_places_.erase(place);
+    } else {
+      place->second.index = left.transforms_size();
+      left.add_transforms()->Swap(&one);
+    }
+  }
+  static_.waiting = std::move(left);
+  if (!withdrawn.empty()) Touch(static_, lock);
+  return withdrawn;
+}
+
+bool TransformSender::Withholds(const EdgeSetter& setter) const {
+  const std::scoped_lock lock(mutex_);
+  return setter.withholds;
+}
+
+std::vector<EdgeSetter::Withheld> TransformSender::Withheld(const EdgeSetter& setter) const {
+  const std::scoped_lock lock(mutex_);
+  return setter.withheld;
+}
+
+bool TransformSender::Release(const std::shared_ptr<EdgeSetter>& setter, std::size_t count,
+                              std::span<const EdgeSetter::Withheld> edges) {
+  std::unique_lock lock(mutex_);
+  if (setter->withheld.size() != count) return false;
+  setter->withholds = false;
+  setter->withheld.clear();
+  for (const EdgeSetter::Withheld& one : edges) PutStatic(one.edge, setter, one.by_constructor);
+  if (!edges.empty()) Touch(static_, lock);
+  return true;
 }
 
 void TransformSender::Touch(Lane& lane, std::unique_lock<std::mutex>& lock) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -10,11 +11,13 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 #include <foxglove/FrameTransforms.pb.h>
 
 #include "hgros/clock/timer_queue.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "tf/edge_setter.hpp"
 
 namespace hgros::tf {
 
@@ -33,8 +36,20 @@ class TransformSender {
   void OpenMoving();
   void OpenStatic();
   void SendMoving(std::span<const StampedEdge* const> edges);
-  void SendStatic(std::span<const StampedEdge* const> edges);
+  /// `setter`: who sets them; null if no component does. They wait while it withholds its edges.
+  void SendStatic(std::span<const StampedEdge* const> edges, const std::shared_ptr<EdgeSetter>& setter);
   void Flush();
+
+  void SetConstructing(EdgeSetter& setter, bool constructing);
+  /// The static edges that the setter was the last one to set are not sent any more, nor those that it sets from now
+  /// on. Returns the former.
+  std::vector<StampedEdge> Withhold(EdgeSetter& setter);
+  [[nodiscard]] bool Withholds(const EdgeSetter& setter) const;
+  [[nodiscard]] std::vector<EdgeSetter::Withheld> Withheld(const EdgeSetter& setter) const;
+  /// Sends `edges`, those that are left of the first `count` that were withheld, and withholds nothing more. Does
+  /// nothing and returns false if there are more by now.
+  bool Release(const std::shared_ptr<EdgeSetter>& setter, std::size_t count,
+               std::span<const EdgeSetter::Withheld> edges);
 
   /// True if this object has sent the message.
   [[nodiscard]] bool IsOwn(const foxglove::FrameTransforms& message) const;
@@ -57,6 +72,11 @@ class TransformSender {
     Time quiet_until = {};  // Transforms before this time wait for it.
     Timer timer;
   };
+  struct StaticPlace {
+    int index = 0;  // In the waiting message of static_.
+    std::shared_ptr<EdgeSetter> setter;
+    bool by_constructor = false;
+  };
   // The messages that have not ended yet. They may outlive the sender.
   struct Sent {
     std::mutex mutex;
@@ -70,6 +90,7 @@ class TransformSender {
   void Send(Lane& lane, std::unique_lock<std::mutex>& lock);
   void OnTimer(Lane& lane);
   [[nodiscard]] std::shared_ptr<const Message> MakeMessage(Lane& lane) const;
+  void PutStatic(const StampedEdge& edge, const std::shared_ptr<EdgeSetter>& setter, bool by_constructor);
 
   Session& session_;
   const Duration batch_;
@@ -79,10 +100,10 @@ class TransformSender {
   std::atomic<std::uint64_t> sent_transforms_{0};
   std::atomic<std::uint64_t> unsent_transforms_{0};
 
-  std::mutex mutex_;
-  bool closing_ = false;                                // No further timer is made.
-  std::unordered_map<std::string, int> static_places_;  // Indices in the waiting message of static_, by child.
-  std::optional<TimerQueue> timers_;                    // Made at the first burst.
+  mutable std::mutex mutex_;
+  bool closing_ = false;                                        // No further timer is made.
+  std::unordered_map<std::string, StaticPlace> static_places_;  // By child.
+  std::optional<TimerQueue> timers_;                            // Made at the first burst.
   Lane moving_;
   Lane static_;
 };

@@ -3,10 +3,12 @@
 #include <iterator>
 #include <utility>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros {
 namespace {
 
-thread_local EndsLater* innermost = nullptr;
+HGROS_THREAD_LOCAL EndsLater* innermost = nullptr;
 
 }  // namespace
 

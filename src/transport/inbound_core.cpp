@@ -65,6 +65,7 @@ bool InboundCore::StartRun() {
 void InboundCore::RunApart() {
   for (;;) {
     gate_.Through([this] { sink_.Run(); });
+    if (LeaderPool::LeftRest()) return;
     const std::scoped_lock lock(mutex_);
     if (owed_runs_ == 0) {
       --running_;

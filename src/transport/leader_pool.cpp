@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "hgros/base/system_limits.hpp"
+#include "hgros/base/thread_local.hpp"
 #include "hgros/transport/acting_thread.hpp"
 
 namespace hgros {
@@ -21,7 +22,10 @@ namespace {
 constexpr std::size_t kStanding = 2;  // Threads that wait for input. Others are parked, and end after a while.
 constexpr auto kRetireAfter = std::chrono::seconds(5);
 
-thread_local bool visits = false;
+HGROS_THREAD_LOCAL bool visits = false;
+// Of a thread that runs a task in ReceiveHere().
+enum class Rest { kStays, kNone, kLeft };
+HGROS_THREAD_LOCAL Rest rest = Rest::kStays;
 
 }  // namespace
 
@@ -45,7 +49,8 @@ struct LeaderPool::State {
   std::size_t parked = 0;
   std::deque<Task> handed_over;  // Read by a visitor.
   bool led = false;              // A thread is inside Lead().
-  bool visited = false;          // A thread is inside Receive().
+  bool visited = false;          // A thread is inside Receive() or ReceiveHere().
+  std::thread::id stays;         // The thread inside ReceiveHere().
   bool stop = false;
 };
 
@@ -116,7 +121,7 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
         }
       }
     }
-    if (state->standing > 0) state->turn.notify_one();
+    state->turn.notify_one();  // Perhaps a thread in ReceiveHere() waits, which does not stand.
     if (!task) continue;
     const bool more = !state->handed_over.empty();
     lock.unlock();
@@ -128,6 +133,12 @@ void LeaderPool::Run(const std::shared_ptr<State>& state) {
 }
 
 bool Transport::IsVisitor() noexcept { return visits; }
+
+bool Transport::LeaveRest() noexcept {
+  if (visits || rest == Rest::kStays) return false;
+  rest = Rest::kLeft;
+  return true;
+}
 
 void LeaderPool::Receive(const Visit& visit) noexcept {
   const auto keeps = state_;  // A thread in Stop() may destroy the pool before this function returns.
@@ -176,6 +187,72 @@ bool LeaderPool::LeadOnce(State& state) noexcept {
   return true;
 }
 
+bool LeaderPool::LeftRest() noexcept { return rest == Rest::kLeft; }
+
+bool LeaderPool::ReceiveHere(const Visit& visit) noexcept {
+  const auto keeps = state_;  // A task may destroy the pool.
+  Task task;                  // Destroyed after the lock.
+  State& state = *keeps;
+  std::unique_lock lock(state.mutex);
+  if (state.stop || state.visited || state.threads.empty() || !state.input.CanWaitFirst()) return false;
+  state.visited = true;
+  state.stays = std::this_thread::get_id();
+  const auto ends = [&] {
+    {
+      const std::scoped_lock inside(state.mutex);
+      if (state.stop) return true;
+    }
+    return visit.done();
+  };
+  lock.unlock();
+  bool goes_on = !ends();
+  while (goes_on) {
+    goes_on = state.input.WaitFirst(ends, visit.until) && std::chrono::steady_clock::now() < visit.until;
+    lock.lock();
+    state.turn.wait(lock, [&] { return !state.led || state.stop; });
+    if (state.stop) {
+      state.input.Wake();  // It may have ended this wait in place of that of a thread of the pool.
+      break;
+    }
+    state.led = true;
+    lock.unlock();
+    visits = true;
+    task = state.input.Lead();
+    visits = false;
+    lock.lock();
+    if (!task && !state.handed_over.empty()) {
+      task = std::move(state.handed_over.front());
+      state.handed_over.pop_front();
+      state.input.EndAsking();  // Input wakes others while the task runs; after a task of Lead() it does already.
+    }
+    state.led = false;
+    state.turn.notify_one();
+    if (!state.handed_over.empty()) state.input.Wake();
+    lock.unlock();
+    rest = Rest::kNone;
+    if (task) task();
+    const bool leaves = std::exchange(rest, Rest::kStays) == Rest::kLeft;
+    if (!leaves) task = nullptr;
+    goes_on = goes_on && !ends();
+    lock.lock();
+    if (state.stop) break;  // Perhaps the task has destroyed the pool.
+    if (leaves) {
+      state.handed_over.push_back(std::exchange(task, nullptr));
+      state.input.Wake();
+    }
+    lock.unlock();
+  }
+  if (!lock.owns_lock()) lock.lock();
+  if (!state.stop) state.input.EndAsking();
+  state.visited = false;
+  state.stays = {};
+  lock.unlock();
+  state.turn.notify_all();  // A thread may wait in Stop().
+  return true;
+}
+
+void LeaderPool::WakeReceiver() noexcept { state_->input.WakeFirst(); }
+
 void LeaderPool::Stop() noexcept {
   std::map<std::thread::id, std::thread> threads;
   std::vector<std::thread> retired;
@@ -183,7 +260,11 @@ void LeaderPool::Stop() noexcept {
   {
     std::unique_lock lock(state_->mutex);
     state_->stop = true;
-    state_->turn.wait(lock, [this] { return !state_->visited; });
+    if (state_->visited && state_->stays != ActingThread::Id()) {
+      state_->input.WakeFirst();
+      state_->turn.notify_all();
+      state_->turn.wait(lock, [this] { return !state_->visited; });
+    }
     threads.swap(state_->threads);
     retired.swap(state_->retired);
     left.swap(state_->handed_over);

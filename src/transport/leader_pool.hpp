@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -13,8 +14,8 @@ namespace hgros {
 ///
 /// Thread safety: thread-safe. Start() and Stop() are called once each.
 /// Invariants: at most one thread is inside Input::Lead(). While started, at least one thread waits or reads or is
-/// about to, even if tasks block. A task runs on the thread that read it; if that was a visitor, on a thread of the
-/// pool.
+/// about to, even if tasks block. A task runs on the thread that read it; if that was a thread in Receive(), on one of
+/// the pool.
 class LeaderPool {
  public:
   using Task = std::function<void()>;
@@ -37,6 +38,16 @@ class LeaderPool {
     [[nodiscard]] virtual bool MayRead() const noexcept { return false; }
     /// Input wakes a thread again; also input that has arrived since the last MayRead().
     virtual void EndAsking() noexcept {}
+    /// Whether WaitFirst() works.
+    [[nodiscard]] virtual bool CanWaitFirst() const noexcept { return false; }
+    /// As Wait(), for one thread at a time: input wakes this thread and no other. It does not sleep if `ends()`, nor
+    /// for longer than `until`. False: a signal's handler has run. EndAsking() is called when the thread reads no more.
+    virtual bool WaitFirst(const std::function<bool()>& /*ends*/,
+                           std::chrono::steady_clock::time_point /*until*/) noexcept {
+      return true;
+    }
+    /// Lets WaitFirst() look at `ends` once more.
+    virtual void WakeFirst() noexcept {}
   };
 
   /// `input` outlives the pool.
@@ -52,6 +63,13 @@ class LeaderPool {
   /// Reads on the calling thread until the visit ends. Tasks run on the pool's threads, not here. If another thread
   /// does this already, it only calls `first`.
   void Receive(const Visit& visit) noexcept;
+  /// Reads on the calling thread until the visit ends, sleeps meanwhile, and runs the tasks that it reads. It may
+  /// return earlier. False at once if another thread visits, or the input cannot be waited for in this way.
+  [[nodiscard]] bool ReceiveHere(const Visit& visit) noexcept;
+  /// Whether Transport::LeaveRest() was called in the calling thread's task, which is therefore run once more.
+  [[nodiscard]] static bool LeftRest() noexcept;
+  /// Lets ReceiveHere() look at `done` once more.
+  void WakeReceiver() noexcept;
   [[nodiscard]] std::size_t thread_count() const;
 
  private:

@@ -92,6 +92,8 @@ class PeerChannel {
   [[nodiscard]] std::optional<std::uint64_t> Resume(std::uint64_t received_messages, std::uint64_t received_bytes);
 
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_messages_; }
+  [[nodiscard]] std::uint64_t confirmed() const noexcept { return confirmed_messages_; }
+  [[nodiscard]] std::uint64_t unconfirmed() const noexcept { return sent_messages_ - confirmed_messages_; }
   [[nodiscard]] std::uint64_t waiting_bytes() const noexcept { return waiting_bytes_; }
   /// Also those that a paused lossless link will send again.
   [[nodiscard]] std::uint64_t unsent_bytes() const noexcept {

@@ -35,6 +35,12 @@ TEST(Error, TextIsOnlyTheSentenceWithoutPlaceAndFix) {
   EXPECT_STREQ(Error("The port is taken.").what(), "The port is taken.");
 }
 
+TEST(Error, IsUtf8WithAnyName) {
+  const Error error("There is no \"caf\xe9.yaml\".", "caf\xe9.yaml:1", "Look into \"\xff\".");
+  EXPECT_STREQ(error.what(), R"(caf\xe9.yaml:1: There is no "caf\xe9.yaml". Look into "\xff".)");
+  EXPECT_EQ(error.sentence(), R"(There is no "caf\xe9.yaml".)");
+}
+
 TEST(Error, KeepsItsPartsWhenCopied) {
   Error copy("");
   {

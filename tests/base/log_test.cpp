@@ -89,7 +89,7 @@ TEST(Log, WritesOncePerKeyAndInterval) {
   Log log(recorder.Sink());
   for (int i = 0; i < 5; ++i) {
     log.WriteLimited(LogLevel::kWarning, "a", "A.", hours(1));
-    log.WriteLimited(LogLevel::kWarning, "b", "B.", hours(1));
+    log.WriteLimited(LogLevel::kWarning, "b", "B.", milliseconds::max());
   }
   EXPECT_THAT(recorder.lines, ElementsAre("A.", "B."));
 }
@@ -114,6 +114,26 @@ TEST(Log, WritesTenAlikeLinesAndThenCounts) {
   ASSERT_EQ(recorder.lines.size(), 11U);
   EXPECT_EQ(recorder.lines.back(), "40 more lines like this one were not written: Peer 10");
   EXPECT_EQ(recorder.levels.back(), LogLevel::kWarning);
+}
+
+TEST(Log, WritesAHundredLinesOfABurstOfOneKindAndThenCounts) {
+  Recorder recorder;
+  Log log(recorder.Sink());
+  const auto write = [&](const std::string& kind, int channel, milliseconds interval) {
+    log.WriteLimited(LogLevel::kWarning, kind + " channel " + std::to_string(channel), kind + std::to_string(channel),
+                     interval);
+  };
+  for (int i = 1; i <= 3000; ++i) {
+    write("lost", i, hours(1));
+    if (i % 1000 == 0) write("back", i, hours(1));
+  }
+  ASSERT_EQ(recorder.lines.size(), 103U);
+  EXPECT_THAT(recorder.lines, Contains("lost100"));
+  EXPECT_THAT(recorder.lines, Contains("back3000"));
+  write("lost", 1, milliseconds(0));
+  ASSERT_EQ(recorder.lines.size(), 105U);
+  EXPECT_EQ(recorder.lines.at(103), "2900 more lines like this one were not written: lost3000");
+  EXPECT_EQ(recorder.lines.back(), "lost1");
 }
 
 TEST(Log, WaitsTwiceAsLongAfterEachLineBeyondTen) {

@@ -39,6 +39,15 @@ TEST(ReadableText, EscapesBytesThatAreNoUtf8) {
   EXPECT_EQ(Readable("\xed\xa0\x80"), R"(\xed\xa0\x80)");
 }
 
+TEST(ReadableText, StaysAsItIsIfItIsUtf8) {
+  for (const char* text : {"", "two\nlines\x1b", "caf\xc3\xa9", "\xf4\x8f\xbf\xbf"}) {
+    EXPECT_TRUE(IsUtf8(text)) << text;
+    EXPECT_EQ(AsUtf8(text), text);
+  }
+  for (const char* text : {"caf\xe9", "\xc3", "\xff", "\xed\xa0\x80"}) EXPECT_FALSE(IsUtf8(text)) << text;
+  EXPECT_EQ(AsUtf8("caf\xe9\n"), R"(caf\xe9\n)");
+}
+
 TEST(ReadableText, IsCutAtAWholeCharacter) {
   EXPECT_EQ(Readable("abc", 2), "ab");
   EXPECT_EQ(Readable("a\xc3\xa9", 2), "a");

@@ -188,6 +188,20 @@ TEST(ChannelInlet, DoesNotDeliverToTheNextSubscriptionWhatWasDecodedWhenTheLastO
   EXPECT_EQ(inflow.lines, Texts{}) << "2 to 6 were published while there was no subscription";
 }
 
+TEST(ChannelInlet, GivesTheNextSubscriptionNothingThatComesOverTheLinkOfTheLastOne) {
+  Inflow<foxglove::Log> inflow;
+  EXPECT_EQ(inflow.Accept("1"), Accepted::kRunHere);
+  EXPECT_EQ(inflow.inlet.Leave().size(), 1U);
+  const auto next = inflow.Listen();
+  inflow.inlet.Run();
+  EXPECT_EQ(inflow.Accept("2"), Accepted::kNothing);
+  inflow.inlet.Detach();
+  EXPECT_EQ(inflow.Accept("5"), Accepted::kRunApart);
+  inflow.inlet.Run();
+  EXPECT_TRUE(inflow.errands.empty());
+  EXPECT_EQ(inflow.got, Texts{"5"});
+}
+
 TEST(ChannelInlet, MakesOneSchemaForEachOfSeveralPlainPublishers) {
   DataGraph graph;
   Channel& channel = graph.Open("any", AnyType(), CallSite::Current());

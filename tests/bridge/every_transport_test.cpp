@@ -120,12 +120,17 @@ TEST_P(EveryTransport, RefusesAMessageAboveTheLimitAndKeepsThePeer) {
                                                    ++got;
                                                  },
                                                  {.queue = Queue::KeepAll(4)});
+  const auto newest =
+      there.FromAny<Block>("newest", Invoke::kSerial, [](const Block&) {}, {.queue = Queue::KeepLast(1)});
   const auto publish = first->Advertise<Block>("wheel");
+  const auto publish_newest = first->Advertise<Block>("newest");
   ASSERT_TRUE(first->WaitForSubscribers("wheel", 1, kPatience));
+  ASSERT_TRUE(first->WaitForSubscribers("newest", 1, kPatience));
   auto large = range.block();
   if (second) {
     EXPECT_EQ(publish(std::move(large)), PublishStatus::kTooLarge);
     EXPECT_EQ(publish.Wait(std::move(large), std::chrono::steady_clock::now() + kPatience), PublishStatus::kTooLarge);
+    EXPECT_EQ(publish_newest(std::move(large)), PublishStatus::kTooLarge) << "of a subscriber that keeps the newest";
     ASSERT_NE(large, nullptr) << "the caller still owns it";
   } else {
     EXPECT_EQ(publish(std::move(large)), PublishStatus::kOk) << "inside a session any size is possible";

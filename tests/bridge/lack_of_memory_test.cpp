@@ -106,11 +106,13 @@ TEST_P(LackOfMemory, OfAMessageIsAStatusAndNobodyGetsIt) {
   {
     const SmallMemory small(kMost);
     for (int i = 0; i < 3; ++i) EXPECT_EQ(publish(std::move(image)), PublishStatus::kNoMemory);
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    EXPECT_EQ(publish.Wait(std::move(image), deadline), PublishStatus::kNoMemory) << "no subscriber lets it wait";
   }
   ASSERT_NE(image, nullptr) << "the caller still owns it";
   EXPECT_EQ(publish(std::move(image)), PublishStatus::kOk);
   EXPECT_TRUE(Await([&] { return here == 1 && there == 1; })) << here << " here, " << there << " there";
-  EXPECT_EQ(RefusedOn(talker, "images"), 3U);
+  EXPECT_EQ(RefusedOn(talker, "images"), 4U);
   EXPECT_EQ(talker.Count("There is no memory to write a message on channel \"images\""), 1U);
 }
 

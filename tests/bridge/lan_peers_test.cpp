@@ -37,7 +37,7 @@ class Endpoints final : public ZmqTransport {
   }
   std::vector<PeerInfo> Peers() const override { return {}; }
   TransportStats stats() const override { return {}; }
-  void Close(int) noexcept override {}
+  void Close(int, int) noexcept override {}
   void SetPublishChannels(const std::string&, ChannelList) override {}
   void SetSubscribeChannels(const std::string&, ChannelList) override {}
   void AddPublishEndpoint(const PublishEndpoint&) override {}

@@ -1,7 +1,10 @@
 // Two bridges that can use three transports. Two of these exist only in this test.
 #include <atomic>
+#include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "bridge/joined/joined_inbound.hpp"
 #include "bridge/joined/joined_outbound.hpp"
@@ -54,6 +57,11 @@ class Bridged : private TransportListener {
     const auto peers = bridge_->Peers();
     return peers.size() == 1 ? peers[0].transport : std::to_string(peers.size()) + " peers";
   }
+  // The warnings about sessions that are not reached.
+  [[nodiscard]] std::vector<std::string> Unreached() const {
+    const std::scoped_lock lock(mutex_);
+    return unreached_;
+  }
 
  private:
   void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
@@ -62,7 +70,12 @@ class Bridged : private TransportListener {
                       std::string_view /*what*/) noexcept override {}
 
   const SessionId id_ = SessionId::Random();
-  Log log_{[](LogLevel, std::string_view) {}};
+  mutable std::mutex mutex_;
+  std::vector<std::string> unreached_;  // Under mutex_.
+  Log log_{[this](LogLevel level, std::string_view line) {
+    const std::scoped_lock lock(mutex_);
+    if (level == LogLevel::kWarning && line.find("does not reach it") != line.npos) unreached_.emplace_back(line);
+  }};
   ErrandThread errands_;
   std::unique_ptr<NetworkBridge> bridge_;
 };
@@ -210,6 +223,19 @@ TEST_F(ThreeTransports, MessagesFallBackToTheNextCheapestWhenOneBreaksWithoutLos
   gates.loop.Open();
   EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; })) << "it is the cheapest again";
   ExpectFlow();
+  ExpectAll();
+}
+
+TEST_F(ThreeTransports, SayThatOneReachesNobodyAndThatNoCauseWasFound) {
+  Start();
+  EXPECT_TRUE(Await([&] { return !listener->Unreached().empty() && !talker->Unreached().empty(); }));
+  test::Linger(std::chrono::seconds(1));
+  for (const auto* const one : {&listener, &talker}) {
+    const std::vector<std::string> said = (*one)->Unreached();
+    ASSERT_EQ(said.size(), 1U);
+    EXPECT_NE(said[0].find("no cause was found, and the attempts go on. ZeroMQ carries its messages."), said[0].npos)
+        << said[0];
+  }
   ExpectAll();
 }
 

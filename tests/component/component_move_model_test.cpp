@@ -30,7 +30,7 @@ using testing::HasSubstr;
 
 constexpr std::size_t kStateBytes = 1 << 20;
 constexpr int kHandedAtOnce = 64;
-#ifdef __SANITIZE_THREAD__
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr bool kSlowly = true;  // Otherwise messages come faster than they are handed over.
 #else
 constexpr bool kSlowly = false;

@@ -38,7 +38,9 @@ PoseInFrame Numbered(int number) {
 // Adds up the numbers that it gets, publishes them again, and serves the sum.
 class Adder {
  public:
-  explicit Adder(Context& context) : passed_(context.Advertise<PoseInFrame>("passed")) {
+  explicit Adder(Context& context)
+      : passed_(context.Advertise<PoseInFrame>("passed")),
+        latest_(context.Advertise<PoseInFrame>("latest", {.latched = 1})) {
     context.FromAny<PoseInFrame>("number", Invoke::kSerial, [this](const PoseInFrame& pose) { Take(pose); },
                                  {.queue = Queue::KeepAll(100'000)});
     context.Serve<PoseInFrame, PoseInFrame>("sum", [this](const PoseInFrame&) { return Numbered(sum_); });
@@ -67,9 +69,11 @@ class Adder {
     if (number == kThrows) throw std::runtime_error("no such number");
     sum_ += number;
     (void)passed_(std::make_unique<PoseInFrame>(pose));
+    (void)latest_(std::make_unique<PoseInFrame>(Numbered(sum_)));
   }
   Publisher<PoseInFrame> passed_;
-  int sum_ = 0;
+  Publisher<PoseInFrame> latest_;  // Sums.
+  std::atomic<int> sum_ = 0;       // A service reads it on another thread.
 };
 HGROS_COMPONENT(Adder, "test/Adder")
 
@@ -275,7 +279,8 @@ TEST_F(ComponentMoveTest, HandlesWhatWasOvertakenInTheOldPlaceOnce) {
   arriving.Hand(handed.front());
   arriving.Hand(handed.back());
   arriving.Hand(overtaken);
-  EXPECT_EQ(other.components.statuses().front().exceptions, 1U) << "Its empty text is no number.";
+  EXPECT_TRUE(Await([&] { return other.components.statuses().front().exceptions == 1; }))
+      << "Its empty text is no number.";
   EXPECT_EQ(SumOf(outside_), "45");
 }
 
@@ -333,6 +338,56 @@ TEST_F(ComponentMoveTest, AComponentThatIsHeldHoldsUpNoOther) {
   EXPECT_EQ(seen(), UpTo(kMany));
 }
 
+// It may be the same component in another place.
+TEST_F(ComponentMoveTest, ANewPublisherOvertakesNothingThatWaitsInTheOldPlace) {
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  LeavingComponent leaving(one.components, "adder", [] {});
+  const MovingState moving = leaving.Hold(kPatience, other.session.id());
+  for (int number = 1; number <= 3; ++number) Publish(number);
+  std::atomic<int> arrived = 0;
+  ArrivingComponent arriving(other.components, AdderSetup(), [&] { ++arrived; });
+  ASSERT_TRUE(other.session.WaitForSubscribers("passed", 1, kPatience));
+  Session elsewhere(Config::Parse("discovery: {lan: false}"), {.name = "elsewhere"});
+  auto moved = elsewhere.Advertise<PoseInFrame>("number");
+  ASSERT_TRUE(elsewhere.WaitForSubscribers("number", 2, kPatience));
+  ASSERT_EQ(moved(Numbered(4)), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return arrived == 1; }));
+  arriving.Restore(moving);
+  arriving.Begin();
+  leaving.Leave();
+  ASSERT_TRUE(Await([&] {
+    Exchange(leaving, arriving);
+    return seen().size() == 4;
+  }));
+  EXPECT_THAT(seen(), ElementsAre(1, 2, 3, 4));
+}
+
+// Some wait in the queue of the subscription, and come a moment after others were taken.
+TEST_F(ComponentMoveTest, TellsWhetherMoreIsToBeHandedOver) {
+  constexpr int kMany = 5000;
+  Place one;
+  one.Start();
+  auto here = one.session.Advertise<PoseInFrame>("number");
+  LeavingComponent leaving(one.components, "adder", [] {});
+  (void)leaving.Hold(kPatience);
+  EXPECT_FALSE(leaving.has_more());
+  for (int number = 1; number <= kMany; ++number) ASSERT_EQ(here(Numbered(number)), PublishStatus::kOk);
+  leaving.Leave();
+  std::vector<int> handed;
+  while (leaving.has_more()) {
+    while (const auto message = leaving.Next()) {
+      PoseInFrame pose;
+      const auto bytes = message->message.data.bytes;
+      ASSERT_TRUE(pose.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
+      handed.push_back(std::stoi(pose.frame_id()));
+    }
+  }
+  EXPECT_EQ(handed, UpTo(kMany));
+}
+
 TEST_F(ComponentMoveTest, TakesItsStateServicesAndTimersWithIt) {
   Place one;
   Place other;
@@ -350,6 +405,98 @@ TEST_F(ComponentMoveTest, TakesItsStateServicesAndTimersWithIt) {
   Publish(5);
   EXPECT_TRUE(SeesUpTo(5));
   EXPECT_EQ(SumOf(outside_), "15");
+}
+
+// What comes on a latched channel, in a session of its own.
+struct Watcher {
+  explicit Watcher(Session& session)
+      : latest(session.FromAny<PoseInFrame>("latest", Invoke::kSerial,
+                                            [this](const PoseInFrame& pose) {
+                                              const std::scoped_lock lock(mutex);
+                                              sums.push_back(std::stoi(pose.frame_id()));
+                                            },
+                                            {.queue = Queue::KeepAll(1000)})) {}
+  [[nodiscard]] bool Sees(const std::vector<int>& wanted) {
+    (void)Await([&] { return seen().size() >= wanted.size(); });
+    EXPECT_EQ(seen(), wanted);
+    return seen() == wanted;
+  }
+  [[nodiscard]] std::vector<int> seen() {
+    const std::scoped_lock lock(mutex);
+    return sums;
+  }
+
+  std::mutex mutex;
+  std::vector<int> sums;
+  Subscription latest;
+};
+
+TEST_F(ComponentMoveTest, WhatItHasLatchedMovesAlong) {
+  Place one;
+  Place other;
+  Watcher early(outside_);
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  ASSERT_TRUE(one.session.WaitForSubscribers("latest", 1, kPatience));
+  for (const int number : {1, 2}) Publish(number);
+  ASSERT_TRUE(early.Sees({1, 3}));
+  Move(one, other, std::chrono::milliseconds(50));
+  Session late_session(Config::Parse("discovery: {lan: false}"));
+  Watcher late(late_session);
+  Watcher late_there(other.session);
+  Watcher late_here(one.session);
+  ASSERT_TRUE(late_session.WaitForPublishers("latest", 2, kPatience));  // Of both places.
+  EXPECT_TRUE(late.Sees({3}) && late_there.Sees({3}) && late_here.Sees({3}));
+  ASSERT_TRUE(other.session.WaitForSubscribers("latest", 3, kPatience));
+  Publish(3);
+  EXPECT_TRUE(late.Sees({3, 6}) && late_there.Sees({3, 6}) && late_here.Sees({3, 6}));
+  EXPECT_TRUE(early.Sees({1, 3, 6}));
+  // And back.
+  Move(other, one, std::chrono::milliseconds(50));
+  Session last_session(Config::Parse("discovery: {lan: false}"));
+  Watcher last(last_session);
+  ASSERT_TRUE(last_session.WaitForPublishers("latest", 2, kPatience));
+  EXPECT_TRUE(last.Sees({6}));
+  Publish(4);
+  EXPECT_TRUE(last.Sees({6, 10}));
+  EXPECT_TRUE(late.Sees({3, 6, 10}) && late_there.Sees({3, 6, 10}) && late_here.Sees({3, 6, 10}));
+  EXPECT_TRUE(early.Sees({1, 3, 6, 10}));
+}
+
+TEST_F(ComponentMoveTest, WhoHasHeardThePlaceBeforeGetsWhatItHasLatchedSince) {
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  Session listener(Config::Parse("discovery: {lan: false}"));
+  const auto hears = [&](const std::vector<int>& wanted) { return Watcher(listener).Sees(wanted); };
+  Publish(1);
+  EXPECT_TRUE(SeesUpTo(1) && hears({1}));
+  Move(one, other, std::chrono::milliseconds(50));
+  Publish(2);
+  EXPECT_TRUE(SeesUpTo(2));
+  Move(other, one, std::chrono::milliseconds(50));
+  EXPECT_TRUE(hears({3}));
+  EXPECT_TRUE(hears({3}));
+}
+
+TEST_F(ComponentMoveTest, WhatItHasLatchedStaysIfTheMoveIsAbandoned) {
+  Place one;
+  Place other;
+  one.Start();
+  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  Publish(7);
+  ASSERT_TRUE(SeesUpTo(7));
+  {
+    ArrivingComponent arriving(other.components, AdderSetup(), [] {});
+    LeavingComponent leaving(one.components, "adder", [] {});
+    arriving.Restore(leaving.Hold(kPatience, other.session.id()));
+  }
+  Watcher late(outside_);
+  EXPECT_TRUE(late.Sees({7}));
+  ASSERT_TRUE(one.session.WaitForSubscribers("latest", 1, kPatience));
+  Publish(1);
+  EXPECT_TRUE(late.Sees({7, 8}));
 }
 
 TEST_F(ComponentMoveTest, AnAbandonedMoveHandlesWhatHasWaited) {

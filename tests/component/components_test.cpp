@@ -6,6 +6,7 @@
 #include <chrono>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <foxglove/FrameTransform.pb.h>
@@ -93,6 +94,45 @@ struct FailsAtOnce {
 };
 HGROS_COMPONENT(FailsAtOnce, "test/FailsAtOnce")
 
+// Its Deactivate() returns a while after two others have been deactivated.
+std::atomic<int> deactivated{0};
+struct EndsLast {
+  explicit EndsLast(Context&) {}
+  static void Deactivate() {
+    EXPECT_TRUE(Await([] { return deactivated == 2; }));
+    Linger(std::chrono::milliseconds(50));
+  }
+};
+HGROS_COMPONENT(EndsLast, "test/EndsLast")
+
+// Its Activate(), too.
+std::atomic<bool> begins{false};
+struct BeginsLong {
+  explicit BeginsLong(Context&) {}
+  static void Activate() {
+    begins = true;
+    EndsLast::Deactivate();
+  }
+};
+HGROS_COMPONENT(BeginsLong, "test/BeginsLong")
+
+std::atomic<int> late_commands{0};
+class Motor {
+ public:
+  explicit Motor(Context& context) {
+    context.CreateTimer("command", std::chrono::milliseconds(1),
+                        [this](const Tick&) { late_commands += off_ ? 1 : 0; });
+  }
+  void Deactivate() {
+    off_ = true;
+    ++deactivated;
+  }
+
+ private:
+  std::atomic<bool> off_{false};
+};
+HGROS_COMPONENT(Motor, "test/Motor")
+
 struct Timed {
   explicit Timed(Context& context) : time(context.Declare("time", 1)) {}
   int time;
@@ -143,6 +183,55 @@ TEST(Components, ThatWereNeverStartedAreNotDeactivated) {
     process.components.reset();
   }
   EXPECT_THAT(Deeds(), ElementsAre("a ends"));
+}
+
+TEST(Components, AreDeactivatedWhileOthersDoNotEnd) {
+  deactivated = late_commands = 0;
+  Process process;
+  process.components->Add({.name = "left", .type = "test/Motor"});
+  process.components->Add({.name = "hangs_too", .type = "test/EndsLast"});
+  process.components->Add({.name = "right", .type = "test/Motor"});
+  process.components->Add({.name = "hangs", .type = "test/EndsLast"});
+  process.Run();
+  process.components.reset();
+  EXPECT_EQ(deactivated, 2) << "once each";
+  EXPECT_LE(late_commands, 2) << "one that runs at that moment";
+  EXPECT_THAT(process.lines(),
+              ElementsAre("hangs|It holds up the end of its process. The others are deactivated meanwhile."));
+}
+
+TEST(Components, AreDeactivatedWhileOneIsActivated) {
+  deactivated = late_commands = 0;
+  Process process;
+  process.components->Add({.name = "left", .type = "test/Motor"});
+  process.components->Add({.name = "right", .type = "test/Motor"});
+  process.components->Add({.name = "begins", .type = "test/BeginsLong"});
+  process.components->Add(CounterNamed("not_begun"));
+  process.components->Join();
+  const std::jthread end([&] {
+    EXPECT_TRUE(Await([] { return begins.load(); }));
+    process.components->BeginEnd();
+  });
+  process.components->Start();
+  EXPECT_EQ(deactivated, 2);
+  EXPECT_EQ(process.Status("not_begun").state, ComponentState::kJoined);
+}
+
+// What Deactivate() has cleared is no state for the next instance.
+TEST(Components, AreNotSavedOnceTheyAreDeactivated) {
+  Process process;
+  process.components->Add(CounterNamed("counter"));
+  process.Run();
+  EXPECT_NE(process.components->Save("counter"), nullptr);
+  process.components->BeginEnd();
+  EXPECT_TRUE(Await([&] {
+    try {
+      (void)process.components->Save("counter");
+      return false;
+    } catch (const Error& error) {
+      return std::string(error.what()).find("it has been deactivated already") != std::string::npos;
+    }
+  }));
 }
 
 TEST(Components, EndOneByOne) {
@@ -284,19 +373,22 @@ struct FailsWhenActive {
   explicit FailsWhenActive(Context& its_context) : context(its_context) {
     context.CreateTimer("tick", std::chrono::milliseconds(1), [this](const Tick&) { ++ticks; });
   }
-  void Activate() { context.Fail("it has had enough"); }
+  void Activate() {
+    for (int i = 0; i < 100; ++i) context.Fail("it has had enough");
+  }
   Context& context;
   std::atomic<int> ticks{0};
 };
 HGROS_COMPONENT(FailsWhenActive, "test/FailsWhenActive")
 
-TEST(Components, ThatFailWhenActiveGetNoTimers) {
+TEST(Components, ThatFailWhenActiveSaySoOnceAndGetNoTimers) {
   Process process;
   process.components->Add({.name = "short", .type = "test/FailsWhenActive"});
   process.Run();
   EXPECT_EQ(process.Status("short").state, ComponentState::kFailed);
   Linger(std::chrono::milliseconds(20));
   EXPECT_EQ(process.components->Find<FailsWhenActive>("short")->ticks, 0);
+  EXPECT_THAT(process.lines(), ElementsAre(HasSubstr("short|It has failed: it has had enough")));
 }
 
 TEST(Components, ThatCannotJoinHaveFailed) {

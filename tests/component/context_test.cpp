@@ -10,10 +10,13 @@
 #include <string>
 
 #include <foxglove/PoseInFrame.pb.h>
+#include <foxglove/Vector3.pb.h>
 
 #include "component/components_fixture.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/clock/derived_clocks.hpp"
+#include "hgros/codec/raw_message.hpp"
+#include "hgros/component/raw_context.hpp"
 #include "hgros/params/remote_params.hpp"
 #include "hgros/session/clock_publisher.hpp"
 #include "hgros/tf/transforms.hpp"
@@ -60,12 +63,36 @@ struct OneParam {
 };
 HGROS_COMPONENT(OneParam, "test/OneParam")
 
+// A component of another language.
+struct Reader {
+  explicit Reader(Context& context) {
+    RawContext(context).FromAny(
+        "pose", SchemaOf(TypeOf<PoseInFrame>()), Invoke::kSerial, [this](const RawMessage& raw) {
+          PoseInFrame pose;
+          if (raw.schema && raw.schema->type_name == "foxglove.PoseInFrame" &&
+              pose.ParseFromArray(raw.data.bytes.data(), static_cast<int>(raw.data.bytes.size()))) {
+            frames += pose.frame_id();
+          }
+          ++read;
+        });
+  }
+  std::string frames;  // Up to `read`.
+  std::atomic<int> read{0};
+};
+HGROS_COMPONENT(Reader, "test/Reader")
+
 struct Simulation {
   explicit Simulation(Context& context) : published(context.PublishClock(clock)) {}
   std::shared_ptr<SimulatedClock> clock = SimulatedClock::Paused();
   std::unique_ptr<ClockPublisher> published;
 };
 HGROS_COMPONENT(Simulation, "test/Simulation")
+
+struct Declares {
+  explicit Declares(Context& its_context) : context(its_context) { (void)context.transforms(); }
+  Context& context;
+};
+HGROS_COMPONENT(Declares, "test/Declares")
 
 Everything& AddTo(Process& process, const ComponentSetup& setup = {.name = "all", .type = "test/Everything"}) {
   process.components->Add(setup);
@@ -79,10 +106,52 @@ TEST(Context, NamesNodesAfterTheComponent) {
   std::vector<std::string> nodes;
   for (const ComponentChannel& one : description.inputs) nodes.push_back(one.node);
   EXPECT_THAT(nodes, ElementsAre("all/bytes", "all/pose", "all/pose#2", "all/third"));
+  EXPECT_EQ(description.inputs[0].type, "") << "any";
   ASSERT_EQ(description.services.size(), 1U);
   EXPECT_EQ(description.services[0].request, "foxglove.PoseInFrame");
   ASSERT_EQ(description.timers.size(), 2U);
   EXPECT_EQ(description.timers[0].period, Duration(1ms));
+}
+
+// In either order, and from this session as from another one.
+TEST(Context, ATypeKnownAtRunTimeMeetsTheSameTypeInCpp) {
+  for (const bool first : {true, false}) {
+    Session other(Config::Parse(
+        "{discovery: {domain: none}, network: {publisher: {ip: 'tcp://127.0.0.1:*', channels: [pose]}}}"));
+    Process process("network: {subscribers: [{ip: '" + other.PublisherEndpoints().at(0) + "', channels: [pose]}]}");
+    if (first) process.components->Add({.name = "reader", .type = "test/Reader"});
+    const Everything& all = AddTo(process);
+    if (!first) process.components->Add({.name = "reader", .type = "test/Reader"});
+    process.Run();
+    const Reader& reader = *process.components->Find<Reader>("reader");
+    PoseInFrame pose;
+    pose.set_frame_id("a");
+    EXPECT_EQ(process.session.ToAny("pose", pose), PublishStatus::kOk);
+    pose.set_frame_id("b");
+    (void)other.Advertise<PoseInFrame>("pose");
+    ASSERT_TRUE(other.WaitForSubscribers("pose", 1, kPatience));
+    EXPECT_EQ(other.ToAny("pose", pose), PublishStatus::kOk);
+    EXPECT_TRUE(Await([&] { return all.first == 2 && all.named == 2 && reader.read == 2; }));
+    EXPECT_EQ(reader.frames, "ab") << first;
+    EXPECT_EQ(all.raw, 0);
+  }
+}
+
+TEST(Context, MessagesOfAnotherTypeComeToNoTypeKnownAtRunTime) {
+  Session other(
+      Config::Parse("{discovery: {domain: none}, network: {publisher: {ip: 'tcp://127.0.0.1:*', channels: [pose]}}}"));
+  Process process("network: {subscribers: [{ip: '" + other.PublisherEndpoints().at(0) + "', channels: [pose]}]}");
+  process.components->Add({.name = "reader", .type = "test/Reader"});
+  process.Run();
+  const auto seen = std::make_shared<std::atomic<int>>(0);
+  const auto all = process.session.FromAnyRaw("pose", Invoke::kSerial, [seen](const RawMessage&) { ++*seen; });
+  const auto publisher = other.Advertise<foxglove::Vector3>("pose");
+  ASSERT_TRUE(other.WaitForSubscribers("pose", 1, kPatience));
+  EXPECT_EQ(publisher(foxglove::Vector3()), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return *seen == 1; }));
+  EXPECT_TRUE(process.session.WaitIdle(kPatience));
+  EXPECT_EQ(process.components->Find<Reader>("reader")->read, 0);
+  EXPECT_EQ(process.Status("reader").exceptions, 0U);
 }
 
 TEST(Context, RunsTimersOnlyOnceTheComponentRuns) {
@@ -160,6 +229,21 @@ TEST(Context, SharesOneTransformTree) {
   Everything& other = *process.components->Find<Everything>("other");
   (void)all.context.transforms().ToStaticTF("map", "base", RigidTransform());
   EXPECT_TRUE(other.context.transforms().FromTF("map", "base"));
+}
+
+TEST(Context, KnowsWhetherTransformsAreDeclared) {
+  std::vector<std::string> undeclared;  // Each report.
+  Robot robot("");
+  Components components(*robot.session, {.on_change = [&](const ComponentStatus& status) {
+    if (status.undeclared_transforms) undeclared.push_back(status.name);
+  }});
+  EXPECT_TRUE(components.Add({.name = "declares", .type = "test/Declares"}).transforms);
+  EXPECT_FALSE(components.Add({.name = "all", .type = "test/Everything"}).transforms);
+  (void)components.Find<Declares>("declares")->context.transforms();
+  EXPECT_THAT(undeclared, ElementsAre());
+  for (int i = 0; i < 2; ++i) (void)components.Find<Everything>("all")->context.transforms();
+  EXPECT_THAT(undeclared, ElementsAre("all"));
+  EXPECT_FALSE(components.description("all").transforms);
 }
 
 TEST(Context, OffersParametersUnderTheComponentsName) {

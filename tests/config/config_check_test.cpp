@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "config/config_fixture.hpp"
+#include "config/fixture_file.hpp"
 #include "hgros/config/check.hpp"
 #include "hgros/yaml/document.hpp"
 

@@ -13,11 +13,6 @@
 
 namespace hgros::test {
 
-/// The fixture files beside the tests.
-inline std::filesystem::path FixtureFile(std::string_view name) {
-  return std::filesystem::path(__FILE__).parent_path() / "yaml" / name;
-}
-
 /// A folder that lives as long as the test.
 class ScratchFolder {
  public:

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/config_fixture.hpp"
+#include "config/fixture_file.hpp"
 
 namespace hgros {
 namespace {

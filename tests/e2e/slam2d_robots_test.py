@@ -81,6 +81,15 @@ class Slam2dRobots(Slam2dTest):
         code, out, err = self.end(alone)
         self.assertEqual(code, -signal.SIGINT, out + err)
 
+    def test_a_mapper_beside_a_robot_whose_own_one_gets_no_scan_does_its_work(self):
+        for robot in ("robot1.yaml", "robot2.yaml"):
+            self.on_free_ports(robot)
+        (self.folder / "closed.yaml").write_text("include: robot1.yaml\ncomponents: {mapper: {type: slam2d/Mapper}}\n"
+                                                 "data_graph: {close_channels: [pre_channel]}\n")
+        closed = self.start("closed.yaml", SHORT)
+        self.start("robot2.yaml")
+        self.assertEqual(self.hashes(closed), self.reference(SCANS))
+
     def test_each_component_may_run_anywhere(self):
         text = (ROBOTS / "one_process.yaml").read_text().replace("include: ", f"include: {ROBOTS}/")
         for component in ("source", "matcher", "mapper", "writer"):

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "hgros/transport/shm_transport.hpp"
-#include "transport/shm_false_peer.hpp"
+#include "transport/shm/false_peer.hpp"
 
 namespace {
 

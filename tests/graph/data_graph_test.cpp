@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <latch>
+#include <memory>
+#include <new>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -26,11 +29,35 @@ struct Counted {
   inline static std::atomic<int> copies{0};
 };
 
+// Cannot be copied, as if there were no memory for it, or for another reason.
+struct Uncopyable {
+  explicit Uncopyable(bool memory) : memory_is_short(memory) {}
+  Uncopyable(const Uncopyable& other) : memory_is_short(other.memory_is_short) {
+    if (memory_is_short) throw std::bad_alloc();
+    throw std::runtime_error("no copy");
+  }
+  Uncopyable& operator=(const Uncopyable&) = delete;
+  ~Uncopyable() = default;
+  bool memory_is_short;
+};
+
 class EveryExecutor : public testing::TestWithParam<std::size_t> {
  protected:
   [[nodiscard]] Executor executor() const { return AllExecutors()[GetParam()]; }
 };
 INSTANTIATE_TEST_SUITE_P(DataGraph, EveryExecutor, testing::Values(0U, 1U, 2U));
+
+TEST(DataGraph, RefusesNodeNamesThatCannotBeShown) {
+  DataGraph graph;
+  const auto subscribe = [&](const std::string& name) {
+    return graph.FromGraph<int>("c", Invoke::kSerial, [](const int&) {}, {.name = name});
+  };
+  for (const char* name : {"map\nper", "\x1b[2J", "map\u202e", "\u0085", "\xff"}) {
+    EXPECT_THROW((void)subscribe(name), Error) << name;
+  }
+  EXPECT_THROW((void)subscribe(std::string(1001, 'n')), Error);
+  EXPECT_NO_THROW((void)subscribe("the mapper 2 \u00e4"));
+}
 
 TEST_P(EveryExecutor, AllNodesGetTheSameObjectWithoutCopies) {
   DataGraph graph;
@@ -335,6 +362,57 @@ TEST(DataGraph, RefusesAndCountsNullMessages) {
   EXPECT_EQ(Publisher<int>()(std::make_unique<int>(1)), PublishStatus::kClosed) << "an empty handle";
   EXPECT_EQ(seen, 1);
   EXPECT_EQ(graph.Snapshot().channels[0].refused, 3U);
+}
+
+TEST(DataGraph, RefusesCountsAndLogsMessagesThatThereIsNoMemoryToCopy) {
+  test::Heard log;
+  DataGraph graph({}, log.MakeLog());
+  const auto publish = graph.Advertise<Uncopyable>("c");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(publish(Uncopyable(true)), PublishStatus::kNoMemory);
+  EXPECT_EQ(graph.Snapshot().channels[0].refused, 3U);
+  EXPECT_EQ(log.Count("There is no memory to copy a message that is published on channel \"c\""), 1U);
+  EXPECT_EQ(Publisher<Uncopyable>()(Uncopyable(true)), PublishStatus::kClosed) << "an empty handle";
+  EXPECT_THROW(publish(Uncopyable(false)), std::runtime_error) << "of the message's own making";
+}
+
+TEST(DataGraph, MovesFromAMessageOnlyIfItIsTaken) {
+  DataGraph graph;
+  std::latch door{1};
+  std::atomic<bool> begun{false};
+  std::vector<const char*> seen;
+  const auto subscription = graph.FromGraph<std::string>(
+      "c", Invoke::kSerial,
+      [&](const std::string& message) {
+        begun = true;
+        door.wait();
+        seen.push_back(message.data());
+      },
+      Options(Executor::Tbb(), Queue::KeepAll(1)));
+  const auto publish = graph.Advertise<std::string>("c");
+  std::vector<const char*> sent;
+  std::string message;
+  do {
+    message = std::string(100, 'm');
+    sent.push_back(message.data());
+  } while (publish(std::move(message)) == PublishStatus::kOk &&
+           (sent.size() > 1 || test::Await([&] { return begun.load(); })));
+  EXPECT_EQ(message, std::string(100, 'm'));  // NOLINT(bugprone-use-after-move): that is the test.
+  EXPECT_EQ(message.data(), sent.back()) << "it was copied";
+  sent.pop_back();
+  auto unique = std::make_unique<std::string>("unique");
+  auto shared = std::make_shared<std::string>("shared");
+  std::shared_ptr<const std::string> constant = shared;
+  EXPECT_EQ(publish(std::move(unique)), PublishStatus::kFull);
+  EXPECT_EQ(publish(std::move(shared)), PublishStatus::kFull);
+  EXPECT_EQ(publish(std::move(constant)), PublishStatus::kFull);
+  const auto now = std::chrono::steady_clock::now();
+  EXPECT_EQ(publish.Wait(std::move(unique), now), PublishStatus::kTimedOut);    // NOLINT(bugprone-use-after-move)
+  EXPECT_EQ(publish.Wait(std::move(shared), now), PublishStatus::kTimedOut);    // NOLINT(bugprone-use-after-move)
+  EXPECT_EQ(publish.Wait(std::move(constant), now), PublishStatus::kTimedOut);  // NOLINT(bugprone-use-after-move)
+  EXPECT_TRUE(unique != nullptr && shared != nullptr && constant != nullptr) << "a refused message was taken";
+  door.count_down();
+  EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_EQ(seen, sent) << "copies were delivered";
 }
 
 }  // namespace

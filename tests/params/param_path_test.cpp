@@ -44,6 +44,12 @@ TEST(ParamPath, IsLimitedToTheDepthOfYaml) {
   EXPECT_NE(test::ErrorOf([&] { (void)ParamPath::Parse(hostile); }), "");
 }
 
+TEST(ParamPath, HasNoKeyThatYamlCannotReadBack) {
+  const std::string longest = "slam." + std::string(1000, 'k');
+  EXPECT_EQ(ParamPath::Parse(longest).ToString(), longest);
+  EXPECT_THROW((void)ParamPath::Parse(longest + "k"), ParamError);
+}
+
 TEST(ParamPath, OverlapsPathsAboveAndBelow) {
   const ParamPath path = ParamPath::Parse("a.b");
   EXPECT_TRUE(path.Overlaps(ParamPath::Parse("a")));

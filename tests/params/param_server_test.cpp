@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
 #include <map>
 #include <random>
 #include <thread>
@@ -22,7 +23,7 @@ TEST_F(ParamServerTest, DeclaredParametersHaveTheirDefaultOrTheFilesValue) {
   const auto file = Write("robot.yaml", "matcher: {range: 8}\n");
   ParamServer params({{file}});
   EXPECT_EQ(params.Declare("matcher.range", 5.0, {.unit = "m", .least = 0, .most = 30}), 8.0);
-  EXPECT_EQ(params.Declare("matcher.name", std::string("icp"), {.choices = {"icp", "ndt"}}), "icp");
+  EXPECT_EQ(params.Declare("matcher.name", "icp", {.choices = {"icp", "ndt"}}), "icp");
   EXPECT_EQ(params.Get<std::string>("matcher.name"), "icp");
   ASSERT_EQ(params.Declarations().size(), 2U);
   EXPECT_EQ(params.Declarations()[0].info.unit, "m");
@@ -81,6 +82,17 @@ TEST_F(ParamServerTest, RefusesValuesOutOfRangeOfAnotherTypeOrReadOnly) {
   EXPECT_FALSE(params.Set("a..b", 1).ok());
   EXPECT_EQ(params.Get<double>("range"), 30);
   EXPECT_EQ(params.Get<std::string>("name"), "icp");
+}
+
+TEST_F(ParamServerTest, RefusesBoundsThatNothingIsWithin) {
+  ParamServer params;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(Contains(test::ErrorOf([&] { params.Declare("x", 3.0, {.unit = "m", .least = 5, .most = 1}); }),
+                       "No value of x can be from 5.0 to 1.0 m. Correct its bounds."));
+  EXPECT_TRUE(Contains(test::ErrorOf([&] { params.Declare("x", 3.0, {.least = nan}); }), "No value of x can be"));
+  EXPECT_TRUE(Contains(test::ErrorOf([&] { params.Declare("x", 3.0, {.most = nan}); }), "No value of x can be"));
+  EXPECT_TRUE(Contains(test::ErrorOf([&] { params.Declare("x", 3.0, {.least = 5}); }),
+                       "x must be at least 5.0, but is the number 3"));
 }
 
 TEST_F(ParamServerTest, ChangesSeveralAtOnceOrNone) {
@@ -258,6 +270,15 @@ TEST_F(ParamServerTest, ValuesCanBeWrittenAsYaml) {
   EXPECT_EQ(params.Snapshot().At("a").ToYaml(), "b: 1\nc: [x, \"5\"]\n");
   EXPECT_EQ(params.Snapshot().At("a.c[1]").ToYaml(), "\"5\"");
   EXPECT_EQ(test::ErrorOf([&] { (void)params.Snapshot().At("a.d").ToYaml(); }), "The parameter a.d is not set.");
+}
+
+TEST_F(ParamServerTest, WritesEscapesForWhatATerminalWouldObey) {
+  const std::string text = "\x1b[2J\n\xc2\x9b\xc2\x85\xe2\x80\xae\xe2\x80\xa8 caf\xc3\xa9";
+  ParamServer params;
+  ASSERT_TRUE(params.Set("text", text).ok());
+  const std::string yaml = params.Snapshot().ToYaml();
+  EXPECT_EQ(yaml, "text: \"\\x1b[2J\\n\\u009b\\u0085\\u202e\\u2028 caf\xc3\xa9\"\n");
+  EXPECT_EQ(ParamServer({{Write("robot.yaml", yaml)}}).Get<std::string>("text"), text);
 }
 
 TEST_F(ParamServerTest, AgreesWithANaiveMapUnderRandomChanges) {

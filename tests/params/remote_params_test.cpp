@@ -305,6 +305,28 @@ TEST_F(RemoteParamsTest, CanBeSetByManyThreadsAtOnce) {
   for (int t = 0; t < 4; ++t) EXPECT_EQ(offering.server.Get<int>("many.of" + std::to_string(t)), 25);
 }
 
+TEST_F(RemoteParamsTest, WaitsNotForTheStateOfASessionThatHasEnded) {
+  const auto answer = robot_->Advertise<ParamsAnswer>("params/robot/answer");
+  std::atomic<bool> answered{false};
+  std::optional<Subscription> asked;
+  asked.emplace(
+      robot_->FromAny<ParamsQuestion>("params/robot/ask", Invoke::kSerial, [&](const ParamsQuestion& question) {
+        ParamsAnswer said;
+        said.set_asker(question.asker());
+        said.set_number(question.number());
+        said.set_life(1);
+        said.set_version(1);
+        EXPECT_EQ(answer(said), PublishStatus::kOk);
+        answered = true;
+      }));
+  RemoteParams params(*other_.session, "robot", 10 * kPatience);
+  ASSERT_TRUE(robot_->WaitForSubscribers("params/robot/answer", 1, kPatience));
+  auto refusal = std::async([&] { return params.Snapshot().refusal; });
+  ASSERT_TRUE(Await([&] { return answered.load(); }));
+  asked.reset();
+  EXPECT_EQ(refusal.get(), "The session \"robot\" has ended after its answer, and its parameters have not arrived.");
+}
+
 TEST_F(RemoteParamsTest, RefusesRequestsThatCannotBeRead) {
   Offering offering(*robot_.session);
   const auto ask = other_->Advertise<ParamsQuestion>("params/robot/ask");
@@ -368,7 +390,8 @@ TEST_F(RemoteParamsTest, EndsTheWaitForASessionThatIsNotThere) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 30s);
 }
 
-TEST_F(RemoteParamsTest, ReportsTwoSessionsWithTheSameName) {
+// Whether one of two services with one name says a line with this text.
+bool OneSays(Session& first, Session& second, std::string_view text) {
   std::mutex mutex;
   std::vector<std::string> lines;
   const auto log = [&](LogLevel, std::string_view line) {
@@ -376,14 +399,22 @@ TEST_F(RemoteParamsTest, ReportsTwoSessionsWithTheSameName) {
     lines.emplace_back(line);
   };
   ParamServer server;
-  const ParamService one(*robot_.session, server, "robot", log);
-  const ParamService two(*other_.session, server, "robot", log);
-  EXPECT_TRUE(Await([&] {
+  const ParamService one(first, server, "robot", log);
+  const ParamService two(second, server, "robot", log);
+  return Await([&] {
     const std::scoped_lock lock(mutex);
-    return std::ranges::any_of(lines, [](const std::string& line) {
-      return line.find("offers parameters under the name \"robot\", as this session does") != std::string::npos;
-    });
-  }));
+    return std::ranges::any_of(lines, [&](const std::string& line) { return line.find(text) != std::string::npos; });
+  });
+}
+
+TEST_F(RemoteParamsTest, ReportsTwoSessionsWithTheSameName) {
+  EXPECT_TRUE(
+      OneSays(*robot_.session, *other_.session, "offers parameters under the name \"robot\", as this session does"));
+}
+
+TEST_F(RemoteParamsTest, ReportsASecondServiceOfTheSameSessionAsThat) {
+  EXPECT_TRUE(OneSays(*robot_.session, *robot_.session,
+                      "This session offers parameters under the name \"robot\" more than once"));
 }
 
 }  // namespace

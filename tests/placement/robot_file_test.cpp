@@ -124,6 +124,16 @@ TEST(RobotFileTest, ComponentsWithoutAProcessRunInMain) {
   EXPECT_EQ(alone.processes[0].components, (std::vector<std::string>{"a", "b"}));
 }
 
+TEST(RobotFileTest, PlacesAComponentElsewhere) {
+  RobotFile robot = Read(
+      "components: {a: {type: t}, b: {type: t}}\n"
+      "processes: {one: {components: [a, b]}, two: {}}\n");
+  robot.Place("a", "two");
+  EXPECT_EQ(robot.FindComponent("a")->process, "two");
+  EXPECT_EQ(robot.FindProcess("one")->components, std::vector<std::string>{"b"});
+  EXPECT_EQ(robot.FindProcess("two")->components, std::vector<std::string>{"a"});
+}
+
 TEST(RobotFileTest, SectionsOfAProcessAreOnTopOfTheRobots) {
   const RobotFile robot = Read(kRobot);
   EXPECT_EQ(robot.processes[0].config.discovery.domain, "test");

@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 #include <zmq.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstring>
+#include <deque>
 #include <iostream>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "resilience/places.hpp"
@@ -138,11 +142,13 @@ TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
   {
     RawSocket pub(ZMQ_PUB);  // A socket of the wrong kind.
     pub.Connect(TcpEndpoint(port));
-    RawSocket stranger(ZMQ_XSUB);  // A socket of the right kind that sends nonsense.
-    stranger.Connect(TcpEndpoint(port));
+    // Sockets of the right kind that send nonsense. Each bad filter ends a connection, so it takes some.
+    std::deque<RawSocket> strangers;
+    for (int i = 0; i < 8; ++i) strangers.emplace_back(ZMQ_XSUB).Connect(TcpEndpoint(port));
     ASSERT_TRUE(Await([&] {
       pub.Send(noise(300));
       for (int i = 0; i < 20; ++i) {
+        RawSocket& stranger = strangers[noise.Number(strangers.size() - 1)];
         const std::string bytes = noise(300);
         switch (noise.Number(3)) {
           case 0: stranger.Send(bytes); break;
@@ -162,6 +168,28 @@ TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
   EXPECT_TRUE(late.Reaches({{"received", 10}})) << publisher << late;
   EXPECT_TRUE(Await([&] { return publisher.open_files() <= files + 4; }))
       << publisher.open_files() << " were " << files;
+}
+
+// Thousands of connections per second: random bytes, which look like ZMTP 1.0, and greetings that are cut short.
+TEST(Garbage, InManyConnectionsHoldsNoPublisherUp) {
+  Noise noise;
+  const std::uint16_t port = FreePort();
+  const WorkerProcess publisher({Publishing(TcpEndpoint(port)), "--out=images"});
+  const WorkerProcess subscriber({Subscribing(TcpEndpoint(port)), "--in=images", "--keep-all=64"});
+  ASSERT_TRUE(subscriber.Reaches({{"received", 10}})) << publisher << subscriber;
+  std::atomic<int> connections{0};
+  const std::jthread flood([&](const std::stop_token& stop) {
+    for (const auto end = std::chrono::steady_clock::now() + 2 * test::kPatience;
+         !stop.stop_requested() && std::chrono::steady_clock::now() < end; ++connections) {
+      const int fd = Dial(port);
+      const std::string bytes = noise.Number(1) == 0 ? Greeting().substr(0, noise.Number(63)) : noise(5000);
+      (void)send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      close(fd);
+    }
+  });
+  ASSERT_TRUE(Await([&] { return connections > 5000; }, 2 * test::kPatience));
+  EXPECT_TRUE(subscriber.Gains("received", 1000)) << publisher << subscriber;
+  EXPECT_EQ(subscriber["gaps"] + subscriber["disorder"] + subscriber["corrupt"], 0U) << subscriber;
 }
 
 // ZeroMQ itself never connects again after the other side has broken its protocol.

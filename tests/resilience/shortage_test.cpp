@@ -60,6 +60,13 @@ TEST(PublisherWithoutMemory, KeepsWhatReceiversOfItsControlGroupCopyFree) {
     EXPECT_TRUE(publisher.Reaches({{"no_memory", 10}})) << publisher << subscriber;
     EXPECT_EQ(publisher.Finish(), 0) << publisher;
     EXPECT_EQ(subscriber.Finish(), 0) << subscriber;
+    WorkerProcess fitting({"--config=", inside, "--out=images", "--await=1", "--size=" + std::to_string(10 << 20),
+                           "--period-us=20000", "--bulk=" + std::to_string(bulk ? 1 : 0)});
+    WorkerProcess receiver({"--config=", inside, "--in=images", "--keep-all=4"});
+    EXPECT_TRUE(receiver.Reaches({{"received", 10}})) << fitting << receiver;
+    EXPECT_EQ(fitting["no_memory"] + receiver["gaps"] + receiver["corrupt"], 0U) << fitting << receiver;
+    EXPECT_EQ(fitting.Finish(), 0) << fitting;
+    EXPECT_EQ(receiver.Finish(), 0) << receiver;
   }
   setenv("HGROS_DOMAIN", "none", 1);
 }

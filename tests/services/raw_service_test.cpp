@@ -1,5 +1,7 @@
 // Services and callers whose types are known only at run time.
 #include <atomic>
+#include <future>
+#include <memory>
 #include <stdexcept>
 
 #include <foxglove/Vector3.pb.h>
@@ -91,6 +93,37 @@ TEST_P(RawServices, RawClientCallsRawServerWithACallback) {
       pair.caller().CallRaw("twice", SchemaOfVector(), Owned(At(5).SerializeAsString()), SchemaOfVector(), kLong,
                             [&](const CallResult<RawMessage>& result) { x = XOfReply(result); });
   EXPECT_TRUE(Await([&] { return x == 10; }));
+}
+
+// The only worker waits, as one does in a callback that waits for something of this program.
+TEST(RawCalls, AnInlineCallbackNeedsNoWorker) {
+  Session robot(Config::Parse("{discovery: {domain: none}, data_graph: {threads: 1}}"));
+  const Service service = robot.ServeRaw("twice", SchemaOfVector(), SchemaOfVector(), TwiceRaw, Invoke::kConcurrent,
+                                         {.executor = Executor::Dedicated()});
+  std::promise<void> go;
+  std::atomic<bool> waits{false};
+  const auto node = robot.FromGraph<Vector3>("stop", Invoke::kSerial, [&](const Vector3&) {
+    waits = true;
+    go.get_future().wait();
+  });
+  ASSERT_EQ(robot.ToGraph("stop", std::make_unique<Vector3>(At(0))), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return waits.load(); }));
+  std::promise<double> answered;
+  std::promise<CallFailure::Kind> late;
+  const Payload request = Owned(At(5).SerializeAsString());
+  const auto ticket = robot.CallRaw(
+      "twice", SchemaOfVector(), request, SchemaOfVector(), kLong,
+      [&](const CallResult<RawMessage>& result) { answered.set_value(XOfReply(result)); }, Executor::Inline());
+  EXPECT_EQ(answered.get_future().get(), 10);
+  const auto other = robot.CallRaw(
+      "nobody", SchemaOfVector(), request, {}, std::chrono::milliseconds(1),
+      [&](const CallResult<RawMessage>& result) { late.set_value(result.failure().kind); }, Executor::Inline());
+  EXPECT_EQ(late.get_future().get(), CallFailure::Kind::kNoServer);
+  EXPECT_THROW(
+      (void)robot.CallRaw(
+          "twice", SchemaOfVector(), request, {}, kLong, [](const CallResult<RawMessage>&) {}, Executor::Dedicated()),
+      Error);
+  go.set_value();
 }
 
 TEST_P(RawServices, RawAndTypedCallsOfOneSessionUseOneService) {

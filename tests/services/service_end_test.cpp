@@ -87,5 +87,15 @@ TEST_F(ServiceEnd, OfTheSessionLogsWhatTheCallbacksOfItsCallsThrow) {
   EXPECT_TRUE(robot.Said("something that is not a std::exception"));
 }
 
+TEST_F(ServiceEnd, ACallbackThatThrowsIsLoggedWithItsService) {
+  test::Robot robot("discovery: {local: false}", "caller");
+  const Service service = robot.session->Serve<Sum, Total>("add", Add);
+  (void)robot.session->Call<Sum, Total>("add", Sum{}, kLong,
+                                        [](const CallResult<Total>&) { throw std::runtime_error("no use"); });
+  EXPECT_TRUE(Await(
+      [&] { return robot.Said("The callback of a call of service \"add\" threw: no use. The call has ended."); }));
+  EXPECT_FALSE(robot.Said("hgros/answers"));
+}
+
 }  // namespace
 }  // namespace hgros

@@ -135,6 +135,33 @@ TEST_F(KilledServer, IsNotSaidToServeBesideTheOneThatReplacesIt) {
   EXPECT_FALSE(robot.Said("served by more than one session"));
 }
 
+// Where it published, another one does: nobody waits until it was silent for long enough.
+TEST_F(KilledServer, IsNotWaitedForWhenAnotherTakesItsPlace) {
+  Robot robot(
+      "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, peer_timeout_ms: 600000}\n"
+      "discovery: {local: false}\n",
+      "caller");
+  const auto yaml = [&](const std::string& publisher) {
+    return "network: {publisher: {ip: '" + publisher + "'}, subscribers: [{ip: '" + robot->PublisherEndpoints().at(0) +
+           "'}]}\ndiscovery: {local: false}\n";
+  };
+  const auto answers = [&] { return bool(robot->Call<Sum, Total>("add", Sum{20, 3}, std::chrono::seconds(1)).Wait()); };
+  std::string endpoint = "tcp://127.0.0.1:*";
+  std::unique_ptr<ServerProcess> server;
+  for (int lives = 1; lives <= 3; ++lives) {
+    server = std::make_unique<ServerProcess>(yaml(endpoint));
+    const std::string line = server->Line();
+    ASSERT_TRUE(line.starts_with("at ")) << line;
+    if (lives == 1) {
+      endpoint = line.substr(3);
+      robot->AddSubscriberEndpoint({endpoint, {}, true});
+    }
+    ASSERT_TRUE(test::Await(answers)) << "life " << lives;
+    EXPECT_TRUE(test::Await([&] { return robot->Peers().size() == 1; }));
+    if (lives < 3) server->Kill();
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Placed, KilledServerProcess, testing::Values("sharedmemory", "ipc", "tcp"),
                          [](const auto& placed) { return placed.param; });
 

@@ -86,6 +86,12 @@ TEST_F(Services, WaitForTheTimeoutIfAnEndpointMayLeadToAServer) {
   EXPECT_EQ(result.failure().reason, "No server of \"add\" was found within 30 ms.");
 }
 
+TEST_F(Services, TakeANegativeTimeoutAsZero) {
+  Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*'}}\ndiscovery: {local: false}");
+  const auto result = robot->Call<Sum, Total>("add", Sum{}, std::chrono::nanoseconds::min()).Wait();
+  EXPECT_EQ(result.failure().reason, "No server of \"add\" was found within 0 us.");
+}
+
 TEST_F(Services, NameTheNearestServiceIfNobodyServesOne) {
   Robot alone("discovery: {local: false}");
   const Service own = alone->Serve<Sum, Total>("add_numbers", Add);

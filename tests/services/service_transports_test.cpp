@@ -48,6 +48,9 @@ TEST_P(ServiceOverEveryTransport, ReportsWhatTheHandlerThrew) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.failure().kind, Kind::kHandlerFailed);
   EXPECT_EQ(result.failure().reason, "\"seven\" is not a number");
+  const auto odd = pair.caller().Call<Note, Note>("parse", Note("caf\xe9"), kLong).Wait();
+  ASSERT_FALSE(odd);
+  EXPECT_EQ(odd.failure().reason, R"("caf\xe9" is not a number)") << "always UTF-8";
 }
 
 TEST_P(ServiceOverEveryTransport, TimesOutWhileTheHandlerIsBusy) {

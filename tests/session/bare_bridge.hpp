@@ -44,7 +44,7 @@ class BareBridge {
     }
     [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
     [[nodiscard]] TransportStats stats() const override { return {}; }
-    void Close(int) noexcept override {}
+    void Close(int, int) noexcept override {}
 
    private:
     InboundSink*& sink_;

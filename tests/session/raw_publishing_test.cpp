@@ -8,6 +8,7 @@
 #include <foxglove/Vector3.pb.h>
 
 #include "hgros/codec/run_time_type.hpp"
+#include "hgros/session/session_parts.hpp"
 #include "session/observed_fixture.hpp"
 
 namespace hgros {
@@ -128,19 +129,33 @@ TEST_P(RawPublishing, CarriesAnyNamedEncoding) {
   EXPECT_EQ(raw.messages()[0]->schema->encoding, Encoding::kCustom);
 }
 
+// Typed and raw ones, in this session and in another, get exactly the vectors with x 2 and 3.
+void ExpectThatLateSubscribersGet2And3(Session& here, Session& there) {
+  Kept<Vector> typed_there;
+  Kept<Vector> typed;
+  Kept<RawMessage> raw;
+  const auto one = there.FromAny<Vector>("v", kSerial, std::ref(typed_there), Everything());
+  const auto two = here.FromAny<Vector>("v", kSerial, std::ref(typed), Everything());
+  const auto three = here.FromAnyRaw("v", kSerial, std::ref(raw), Everything());
+  ASSERT_TRUE(Await([&] { return typed_there.size() == 2 && typed.size() == 2 && raw.size() == 2; }));
+  EXPECT_EQ(typed_there.messages()[0]->x(), 2);
+  EXPECT_EQ(typed.messages()[1]->x(), 3);
+  EXPECT_EQ(AsText(raw.messages()[1]->data.bytes), AsText(VectorBytes(3).bytes));
+}
+
 TEST_P(RawPublishing, LatchedMessagesReachLateSubscribers) {
   Begin();
   const RawPublisher publish = robot->session->AdvertiseRaw("v", VectorSchema(), {.latched = 2});
   for (int i = 1; i <= 3; ++i) ASSERT_EQ(publish(VectorBytes(i)), PublishStatus::kOk);
-  Kept<Vector> there;
-  Kept<Vector> here;
-  Kept<RawMessage> raw;
-  const auto one = observer->session->FromAny<Vector>("v", kSerial, std::ref(there), Everything());
-  const auto two = robot->session->FromAny<Vector>("v", kSerial, std::ref(here), Everything());
-  const auto three = robot->session->FromAnyRaw("v", kSerial, std::ref(raw), Everything());
-  ASSERT_TRUE(Await([&] { return there.size() == 2 && here.size() == 2 && raw.size() == 2; }));
-  EXPECT_EQ(there.messages()[0]->x(), 2);
-  EXPECT_EQ(here.messages()[1]->x(), 3);
+  ExpectThatLateSubscribersGet2And3(*robot->session, *observer->session);
+}
+
+TEST_P(RawPublishing, LatchedMessagesOfAnotherPlaceReachTypedAndRawSubscribers) {
+  Begin();
+  const RawPublisher publish = robot->session->AdvertiseRaw("v", VectorSchema(), {.latched = 2});
+  const SessionParts::LatchedMessage taken_over[] = {{VectorBytes(2), 5}, {VectorBytes(3), 6}};
+  SessionParts(*robot->session).KeepLatched("v", taken_over, SessionId{7});
+  ExpectThatLateSubscribersGet2And3(*robot->session, *observer->session);
 }
 
 TEST_P(RawPublishing, LosslessSubscribersGetEverythingInOrder) {

@@ -131,10 +131,14 @@ TEST_F(SessionClock, KeepsRunningBetweenMessages) {
 
 TEST_F(SessionClock, SaysThatNoClockIsPublished) {
   const Robot simulation("");
+  const auto begin = std::chrono::steady_clock::now();
   Robot waiting(kSimulated + "discovery: {local: false}\n");
   Robot following(kSimulated);
   const ClockPublisher publisher(*simulation.session, SimulatedClock::Paused(kStart));
   EXPECT_TRUE(Await([&] { return waiting.Said("No clock was heard on the channel \"clock\" so far"); }));
+  const auto took = std::chrono::steady_clock::now() - begin;
+  EXPECT_GE(took, 4s) << "a clock that begins a little later is nothing to speak of";
+  EXPECT_LE(took, 15s);
   test::Linger(200ms);
   EXPECT_EQ(waiting.Count("No clock was heard"), 1U);
   EXPECT_FALSE(following.Said("No clock was heard"));

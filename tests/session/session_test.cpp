@@ -2,6 +2,7 @@
 
 #include <array>
 #include <fstream>
+#include <new>
 #include <optional>
 #include <thread>
 
@@ -41,6 +42,30 @@ TEST(Session, DeliversByPointerAndEncodesNothingWithoutRemoteSubscribers) {
   EXPECT_EQ(robot->ToAny("notes", std::move(note)), PublishStatus::kOk);
   EXPECT_EQ(seen, sent);
   EXPECT_EQ(Note::written, 0);
+}
+
+// A note that there is no memory to copy.
+struct HeavyNote : Note {
+  HeavyNote() = default;
+  HeavyNote(const HeavyNote& /*other*/) : Note() { throw std::bad_alloc(); }
+  HeavyNote& operator=(const HeavyNote&) = delete;
+  ~HeavyNote() = default;
+};
+
+TEST(Session, MovesMessagesAndRefusesThoseThatThereIsNoMemoryToCopy) {
+  const Bus bus;
+  Robot robot(bus.Publishing("a"));
+  const HeavyNote note;
+  EXPECT_EQ(robot->ToAny("notes", note), PublishStatus::kNoMemory);
+  EXPECT_EQ(robot->Advertise<HeavyNote>("notes")(note), PublishStatus::kNoMemory);
+  Note moved("a text that is too long to be inside the string");
+  const char* const text = moved.text.data();
+  const char* seen = nullptr;
+  const auto subscription = robot->FromAny<Note>(
+      "moved", kSerial, [&](const Note& got) { seen = got.text.data(); }, Inline());
+  EXPECT_EQ(robot->ToAny("moved", std::move(moved)), PublishStatus::kOk);
+  EXPECT_EQ(seen, text) << "a copy was delivered";
+  EXPECT_EQ(robot.Count("There is no memory to copy a message that is published on channel \"notes\""), 1U);
 }
 
 TEST(Session, SendsMessagesToAnotherSessionInOrder) {
@@ -546,6 +571,26 @@ TEST(Session, EndpointsCanBeAddedAtRunTime) {
   EXPECT_EQ(publish(std::make_unique<Note>("heard")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return notes.size() == 1; }));
   EXPECT_EQ(notes.texts()[0], "heard");
+}
+
+TEST(Session, AddedEndpointsAreCheckedAsThoseOfFiles) {
+  Robot robot("discovery: {local: false}");
+  const auto refusal = [](const auto& add, const std::string& endpoint) -> std::string {
+    try {
+      add(EndpointConfig{endpoint, {}, true});
+    } catch (const Error& error) {
+      return error.sentence();
+    }
+    return "none";
+  };
+  const auto publish = [&](const EndpointConfig& endpoint) { robot->AddPublisherEndpoint(endpoint); };
+  const auto subscribe = [&](const EndpointConfig& endpoint) { robot->AddSubscriberEndpoint(endpoint); };
+  EXPECT_EQ(refusal(subscribe, "tcp://256.1.1.1:5"),
+            R"(The endpoint is "tcp://256.1.1.1:5", but "256.1.1.1" is not an IPv4 address.)");
+  EXPECT_EQ(refusal(subscribe, "tcp://localhost:65536"),
+            R"(The endpoint is "tcp://localhost:65536", whose port "65536" is not valid.)");
+  EXPECT_EQ(refusal(publish, ""), "The endpoint is empty.");
+  EXPECT_EQ(refusal(publish, "x"), R"(The endpoint is "x", which has no port.)");
 }
 
 TEST(Session, SubscriptionMayEndItselfInACallbackForARemoteMessage) {

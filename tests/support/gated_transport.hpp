@@ -97,7 +97,7 @@ class GatedTransport final : public Transport {
   }
   std::vector<PeerInfo> Peers() const override { return inner_->Peers(); }
   TransportStats stats() const override { return inner_->stats(); }
-  void Close(int linger_ms) noexcept override { inner_->Close(linger_ms); }
+  void Close(int linger_ms, int at_most_ms) noexcept override { inner_->Close(linger_ms, at_most_ms); }
   void AskAgain() override { inner_->AskAgain(); }
   const std::string& place() const noexcept override { return inner_->place(); }
   void AddPeer(const std::string& place) override { gate_.Connect(*inner_, place); }

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <queue>
 #include <thread>
@@ -21,7 +23,9 @@ class Queue : public LeaderPool::Input {
  public:
   void Wait() noexcept override {
     std::unique_lock lock(mutex);
+    ++waiting;
     ready.wait(lock, [this] { return woken || !tasks.empty(); });
+    --waiting;
     woken = false;
   }
   LeaderPool::Task Lead() noexcept override {
@@ -56,6 +60,7 @@ class Queue : public LeaderPool::Input {
   std::condition_variable ready;
   std::queue<LeaderPool::Task> tasks;
   bool woken = false;
+  std::atomic<int> waiting{0};
   std::atomic<int> leaders{0};
   std::atomic<bool> two_leaders{false};
 };
@@ -76,6 +81,45 @@ class SilentQueue : public Queue {
 
   std::atomic<bool> askable{true};
   std::atomic<int> ended{0};
+};
+
+/// A queue for which one thread can wait first.
+class QueueForFirst : public SilentQueue {
+ public:
+  [[nodiscard]] bool CanWaitFirst() const noexcept override { return can; }
+  bool WaitFirst(const std::function<bool()>& ends, std::chrono::steady_clock::time_point until) noexcept override {
+    std::unique_lock lock(mutex);
+    while (tasks.empty() && !woken && !disturbed) {
+      looks_again = false;
+      lock.unlock();
+      const bool over = ends();
+      lock.lock();
+      if (over) return true;
+      const auto has_something = [this] { return !tasks.empty() || woken || disturbed || looks_again; };
+      if (!first.wait_until(lock, until, has_something)) return true;
+    }
+    woken = false;
+    return !disturbed.exchange(false);
+  }
+  void WakeFirst() noexcept override {
+    const std::scoped_lock lock(mutex);
+    looks_again = true;
+    first.notify_all();
+  }
+  void PutForFirst(LeaderPool::Task task) {
+    PutSilently(std::move(task));
+    first.notify_all();
+  }
+  void Disturb() {
+    const std::scoped_lock lock(mutex);
+    disturbed = true;
+    first.notify_all();
+  }
+
+  std::atomic<bool> can{true};
+  std::atomic<bool> disturbed{false};
+  bool looks_again = false;
+  std::condition_variable first;
 };
 
 std::chrono::steady_clock::time_point Never() { return std::chrono::steady_clock::now() + test::kPatience; }
@@ -228,6 +272,186 @@ TEST(LeaderPool, HasOneVisitorAtATimeAndStopWaitsForIt) {
   EXPECT_TRUE(Eventually([&] { return stopped.load(); }));
   EXPECT_EQ(queue.ended, 1);
   pool->Receive({.done = [] { return false; }, .until = Never()});  // Returns at once: the pool has stopped.
+}
+
+TEST(LeaderPool, AThreadThatReceivesHereRunsTheTasksThatItReads) {
+  QueueForFirst queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  ASSERT_TRUE(Eventually([&] { return queue.waiting == 2; }));
+  std::atomic<int> ran{0}, elsewhere{0};
+  std::atomic<bool> received{false};
+  std::jthread receiver([&] { received = pool.ReceiveHere({.done = [&] { return ran == 500; }, .until = Never()}); });
+  for (int i = 1; i <= 500; ++i) {
+    queue.PutForFirst([&] {
+      if (std::this_thread::get_id() != receiver.get_id()) ++elsewhere;
+      if (Transport::IsVisitor()) ++elsewhere;
+      ++ran;
+    });
+    if (i % 2 == 0) {
+      EXPECT_TRUE(Eventually([&] { return ran >= i; }));
+    }
+  }
+  receiver.join();
+  EXPECT_TRUE(received);
+  EXPECT_EQ(ran, 500);
+  EXPECT_EQ(elsewhere, 0);
+  EXPECT_FALSE(queue.two_leaders);
+  EXPECT_EQ(queue.ended, 1);
+}
+
+TEST(LeaderPool, ATaskOfReceivingHereMayLeaveTheRestToAnotherThread) {
+  EXPECT_FALSE(Transport::LeaveRest());
+  QueueForFirst queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  ASSERT_TRUE(Eventually([&] { return queue.waiting == 2; }));
+  std::atomic<int> here{0}, elsewhere{0};
+  std::atomic<bool> received{false};
+  const auto is_left = [&] { return elsewhere > 0; };
+  std::jthread receiver([&] { received = pool.ReceiveHere({.done = is_left, .until = Never()}); });
+  queue.PutForFirst([&] {
+    if (Transport::LeaveRest()) {
+      EXPECT_TRUE(LeaderPool::LeftRest());
+      ++here;
+    } else {
+      EXPECT_FALSE(LeaderPool::LeftRest());
+      ++elsewhere;
+    }
+  });
+  receiver.join();
+  EXPECT_TRUE(received);
+  EXPECT_GE(here, 1);
+  EXPECT_EQ(elsewhere, 1);
+}
+
+TEST(LeaderPool, ReceivingHereEndsAtItsDeadlineWhenWokenAndAfterASignal) {
+  QueueForFirst queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(2);
+  EXPECT_TRUE(pool.ReceiveHere({.done = [] { return false; }, .until = until}));
+  EXPECT_GE(std::chrono::steady_clock::now(), until);
+  EXPECT_TRUE(pool.ReceiveHere({.done = [] { return true; }, .until = Never()}));
+
+  std::atomic<int> ended{0};
+  std::atomic<bool> done{false}, inside{false};
+  const auto receive = [&] {
+    const auto is_done = [&] {
+      inside = true;
+      return done.load();
+    };
+    EXPECT_TRUE(pool.ReceiveHere({.done = is_done, .until = Never()}));
+    ++ended;
+  };
+  std::jthread woken(receive);
+  ASSERT_TRUE(Eventually([&] { return inside.load(); }));
+  EXPECT_FALSE(pool.ReceiveHere({.done = [] { return false; }, .until = Never()}));  // Another thread does.
+  done = true;
+  pool.WakeReceiver();
+  EXPECT_TRUE(Eventually([&] { return ended == 1; }));
+  woken.join();
+  done = false;
+  std::jthread disturbed(receive);
+  queue.Disturb();
+  EXPECT_TRUE(Eventually([&] { return ended == 2; }));
+  queue.can = false;
+  EXPECT_FALSE(pool.ReceiveHere({.done = [] { return false; }, .until = Never()}));
+}
+
+TEST(LeaderPool, StopEndsReceivingHereAlsoInItsOwnTask) {
+  for (const bool in_task : {false, true}) {
+    QueueForFirst queue;
+    auto pool = std::make_unique<LeaderPool>(queue);
+    pool->Start();
+    std::atomic<bool> inside{false}, ended{false};
+    std::jthread receiver([&] {
+      const auto never = [&] {
+        inside = true;
+        return false;
+      };
+      EXPECT_TRUE(pool->ReceiveHere({.done = never, .until = Never()}));
+      ended = true;
+    });
+    ASSERT_TRUE(Eventually([&] { return inside.load(); }));
+    if (in_task) {
+      queue.PutForFirst([&] { pool->Stop(); });
+    } else {
+      pool->Stop();
+      EXPECT_TRUE(ended || Eventually([&] { return ended.load(); }));
+    }
+    EXPECT_TRUE(Eventually([&] { return ended.load(); }));
+    EXPECT_FALSE(pool->ReceiveHere({.done = [] { return false; }, .until = Never()}));
+    receiver.join();
+  }
+}
+
+TEST(LeaderPool, AThreadThatReceivesHereRunsWhatAVisitorHasHandedOver) {
+  QueueForFirst queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  test::Door door;
+  std::atomic<int> ran{0};
+  for (int i = 0; i < 2; ++i) {
+    queue.Put([&] {
+      ++ran;
+      door.Pass();
+    });
+  }
+  ASSERT_TRUE(Eventually([&] { return ran == 2; }));  // Both threads that the pool had are busy.
+  for (int i = 0; i < 48; ++i) queue.PutSilently([&] { ++ran; });
+  std::atomic<int> seen{0};
+  pool.Receive({.done = [&] { return ++seen > 60; }, .until = Never()});
+  EXPECT_TRUE(pool.ReceiveHere({.done = [&] { return ran == 50; }, .until = Never()}));
+  EXPECT_EQ(ran, 50);
+  door.Open();
+}
+
+/// A queue whose reading can be held up.
+class HeldUpQueue : public QueueForFirst {
+ public:
+  LeaderPool::Task Lead() noexcept override {
+    if (holds_up.exchange(false)) {
+      held_up = true;
+      door.Pass();
+    }
+    return QueueForFirst::Lead();
+  }
+
+  std::atomic<bool> holds_up{false};
+  std::atomic<bool> held_up{false};
+  test::Door door;
+};
+
+TEST(LeaderPool, AThreadThatReceivesHereHasItsTurnAfterTheLastThreadOfThePool) {
+  HeldUpQueue queue;
+  LeaderPool pool(queue);
+  pool.Start();
+  ASSERT_TRUE(Eventually([&] { return queue.waiting == 2; }));
+  test::Door busy;
+  std::atomic<bool> began{false};
+  queue.Put([&] {
+    began = true;
+    busy.Pass();
+  });
+  ASSERT_TRUE(Eventually([&] { return began && queue.waiting == 1; }));
+  queue.holds_up = true;
+  queue.Wake();  // The other thread of the pool leads now.
+  ASSERT_TRUE(Eventually([&] { return queue.held_up.load(); }));
+  std::atomic<bool> done{false}, ended{false};
+  queue.Wake();  // There is input, so the next thread waits for its turn.
+  std::jthread receiver([&] {
+    EXPECT_TRUE(pool.ReceiveHere({.done = [&] { return done.load(); }, .until = Never()}));
+    ended = true;
+  });
+  test::Linger(std::chrono::milliseconds(20));  // It does by then.
+  queue.door.Open();
+  test::Linger(std::chrono::milliseconds(20));
+  done = true;
+  pool.WakeReceiver();
+  EXPECT_TRUE(Eventually([&] { return ended.load(); }));
+  busy.Open();
+  receiver.join();
 }
 
 }  // namespace

@@ -14,7 +14,10 @@ namespace {
 
 TEST(OutboundCore, SaysThatASubscriberIsBackIfItsNextLinkBeginsAtOnce) {
   std::vector<std::string> lines;
-  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+  Log log([&](LogLevel level, std::string_view line) {
+    EXPECT_EQ(level, LogLevel::kWarning) << line;
+    lines.emplace_back(line);
+  });
   conformance::Source source;
   const auto core = std::make_shared<OutboundCore>("scan", conformance::TextType(), source);
   const SessionId eye{1};

@@ -1,8 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <iterator>
+
 #include "hgros/base/error.hpp"
+#include "support/await.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
+#include "transport/zmq_spoiler.hpp"
 
 namespace hgros {
 namespace {
@@ -11,6 +16,7 @@ using conformance::Eventually;
 using conformance::TextType;
 using test::Folder;
 using test::Place;
+using test::Spoiler;
 
 struct Keys {
   CurveKeyPair server = GenerateCurveKeyPair();
@@ -219,6 +225,69 @@ TEST(ZmqCurve, RefusesAnInvalidKey) {
   ZmqOptions options = test::PublishAt("tcp://127.0.0.1:*");
   options.security = ZmqSecurity{{"short", "short"}, {}};
   EXPECT_THROW(Place place(std::move(options)), Error);
+}
+
+std::size_t OpenFiles() {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {}));
+}
+
+// ZeroMQ may take them for connections that are full, and keep them for ever.
+TEST(ZmqCurve, ConnectionsOverWhichWrongBytesComeEnd) {
+  const Keys keys;
+  Place server(keys.Server());
+  const std::string endpoint = server.transport->BoundEndpoints().front();
+  const std::size_t before = OpenFiles();
+  for (int i = 0; i < 10; ++i) {
+    const std::string channel = "scan" + std::to_string(i);
+    conformance::Source source;
+    const auto out = server.transport->Advertise(channel, TextType(), source);
+    Spoiler spoiler(endpoint);
+    const test::RawSocket subscriber(ZMQ_SUB);
+    zmq_setsockopt(subscriber.get(), ZMQ_CURVE_SERVERKEY, keys.server.public_key.c_str(), 41);
+    zmq_setsockopt(subscriber.get(), ZMQ_CURVE_PUBLICKEY, keys.client.public_key.c_str(), 41);
+    zmq_setsockopt(subscriber.get(), ZMQ_CURVE_SECRETKEY, keys.client.secret_key.c_str(), 41);
+    zmq_setsockopt(subscriber.get(), ZMQ_SUBSCRIBE, channel.c_str(), channel.size() + 1);
+    zmq_connect(subscriber.get(), spoiler.endpoint().c_str());
+    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+    spoiler.Spoil();
+    zmq_setsockopt(subscriber.get(), ZMQ_SUBSCRIBE, "other", sizeof "other");
+    ASSERT_TRUE(Eventually([&] { return spoiler.done(); }));
+  }
+  EXPECT_TRUE(test::Await([&] { return OpenFiles() <= before; })) << OpenFiles() << " instead of " << before;
+  Place client(keys.Client(keys.client, keys.server, server));
+  conformance::Source source;
+  conformance::Sink sink;
+  const auto out = server.transport->Advertise("scan", TextType(), source);
+  const auto in = client.transport->Subscribe("scan", TextType(), {}, sink);
+  EXPECT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+}
+
+// ZeroMQ, here or there, reads no more of that connection, and does not end it.
+TEST(ZmqCurve, SubscribersComeBackAfterWrongBytes) {
+  for (const auto side : {Spoiler::Side::kClient, Spoiler::Side::kServer}) {
+    const Keys keys;
+    Place server(keys.Server());
+    const std::string endpoint = server.transport->BoundEndpoints().front();
+    conformance::Source source;
+    const auto out = server.transport->Advertise("scan", TextType(), source);
+    Spoiler spoiler(endpoint, side, Spoiler::Then::kGoesOn);
+    ZmqOptions options = keys.Client(keys.client, keys.server, server);
+    options.subscribe.front().endpoint = spoiler.endpoint();
+    Place client(std::move(options));
+    conformance::Sink sink;
+    const auto in = client.transport->Subscribe("scan", TextType(), {}, sink);
+    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+    spoiler.Spoil();
+    PacketHead head;
+    head.channel = "scan";
+    head.encoding = Encoding::kCustom;
+    std::size_t before = 0;
+    EXPECT_TRUE(test::Await([&] {
+      if (spoiler.spoils() || spoiler.connections() < 2) before = sink.count();
+      if (out->Reserve() == PublishStatus::kOk) out->Commit(head, conformance::Publication::PayloadOf("again"));
+      return sink.count() > before;
+    })) << static_cast<int>(side);
+  }
 }
 
 }  // namespace

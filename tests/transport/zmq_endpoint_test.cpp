@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -104,6 +105,31 @@ TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheFix) {
 TEST(ZmqEndpoint, IsTcpWithoutAScheme) {
   const Place publisher(PublishAt("127.0.0.1:*"));
   EXPECT_THAT(publisher.transport->BoundEndpoints().front(), testing::StartsWith("tcp://127.0.0.1:"));
+}
+
+bool HasIp6() {
+  const int fd = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in6 address{};
+  address.sin6_family = AF_INET6;
+  address.sin6_addr = in6addr_loopback;
+  const bool has = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return has;
+}
+
+TEST(ZmqEndpoint, MayHaveAnIp6Address) {
+  if (!HasIp6()) GTEST_SKIP() << "no IPv6 here";
+  for (const std::string address : {"[::1]", "[::]"}) {
+    const Place publisher(PublishAt("tcp://" + address + ":*"));
+    const std::string bound = publisher.transport->BoundEndpoints().front();
+    EXPECT_THAT(bound, testing::StartsWith("tcp://" + address + ":"));
+    const std::string port = bound.substr(bound.rfind(':'));
+    const Place subscriber(SubscribeAt("tcp://[::1]" + port));
+    EXPECT_TRUE(test::Await([&] { return subscriber.listener.came == 1 && publisher.listener.came == 1; })) << address;
+    if (address != "[::]") continue;
+    const Place other(SubscribeAt("tcp://127.0.0.1" + port));
+    EXPECT_TRUE(test::Await([&] { return other.listener.came == 1; })) << "all addresses, those of IPv4, too";
+  }
 }
 
 TEST(ZmqEndpoint, ChannelListsLimitChannelsAndMayChangeWhileRunning) {

@@ -48,11 +48,13 @@ using test::SubscribeAt;
 /// A tcp client that speaks ZMTP as an XSUB socket does, but sends any bytes as fast as it can.
 class Client {
  public:
-  explicit Client(const std::string& endpoint, const char* from = "127.0.0.1")
+  explicit Client(const std::string& endpoint, const char* from = "127.0.0.1", std::uint16_t from_port = 0)
       : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in own = test::LoopbackAddress(0);
+    sockaddr_in own = test::LoopbackAddress(from_port);
     inet_pton(AF_INET, from, &own.sin_addr);
     EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
+    const timeval connect_patience{15, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_SNDTIMEO, &connect_patience, sizeof connect_patience);
     const auto port = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
     const sockaddr_in address = test::LoopbackAddress(port);
     if (connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return;
@@ -81,6 +83,21 @@ class Client {
       if (sent > 0) bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
     return true;
+  }
+  /// Its own port; 0 if it is not connected.
+  [[nodiscard]] std::uint16_t port() const {
+    sockaddr_in name{};
+    socklen_t size = sizeof name;
+    if (getpeername(fd_, reinterpret_cast<sockaddr*>(&name), &size) != 0) return 0;
+    size = sizeof name;
+    getsockname(fd_, reinterpret_cast<sockaddr*>(&name), &size);
+    return ntohs(name.sin_port);
+  }
+  /// Ends the connection with a reset.
+  void Reset() {
+    const linger at_once{1, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    close(std::exchange(fd_, -1));
   }
   /// The next frame.
   [[nodiscard]] std::string Receive() const {
@@ -132,6 +149,9 @@ std::int64_t UsedMiB() {
   std::ifstream("/proc/self/statm") >> all >> resident;
   return resident * sysconf(_SC_PAGESIZE) >> 20;
 }
+
+// A PING command of ZMTP 3.1, for a TTL of 0.
+const std::string kPing("\4\7\4PING\0\0", 9);
 
 class ZmqLimits : public testing::Test {
  protected:
@@ -228,6 +248,72 @@ TEST_F(ZmqLimits, AConnectionThatSubscribesToMoreThanTheLimitIsNamedAndStays) {
   EXPECT_FALSE(client.WasClosed());
   EXPECT_EQ(publisher.TimesSaid("subscribes to too much"), 1);
   EXPECT_EQ(Overruns(publisher), 1u);
+}
+
+// ZeroMQ would end the process if a connection had an error while its messages wait, and a PING were among them.
+TEST_F(ZmqLimits, APingOfAConnectionThatIsResetEndsNothing) {
+  std::string frames;
+  for (int i = 0; i < 20; ++i) frames += Frame('\1' + PlainTopic("other"));
+  for (int i = 0; i < 3; ++i) frames += kPing;
+  for (int i = 0; i < 200; ++i) {
+    Client client(endpoint);
+    ASSERT_TRUE(client.Send(frames));
+    client.Reset();
+  }
+  ExpectOthersGoOn();
+}
+
+TEST_F(ZmqLimits, APingOfAConnectionThatIsClosedHereEndsNothing) {
+  std::string frames = Frame("\1not a topic");
+  for (int i = 0; i < 20; ++i) frames += Frame('\1' + PlainTopic("other"));
+  for (int i = 0; i < 3; ++i) frames += kPing;
+  for (int i = 0; i < 50; ++i) {
+    const Client client(endpoint);
+    ASSERT_TRUE(client.Send(frames));
+    ASSERT_TRUE(Eventually([&] { return client.WasClosed(); }));
+  }
+  ExpectOthersGoOn();
+}
+
+// The kernel drops the first reset.
+TEST(ZmqReset, OfASubscriberIsNoticedLongBeforeItsTimeIsUp) {
+  Place publisher(PublishAt("tcp://127.0.0.1:*"), std::chrono::minutes(10));
+  enum class Then { kPublishes, kIsSilent, kIsStuck };
+  for (const Then then : {Then::kPublishes, Then::kIsSilent, Then::kIsStuck}) {
+    conformance::Source source;
+    const auto out = publisher.transport->Advertise("scan", TextType(), source);
+    Client client(publisher.transport->BoundEndpoints().at(0));
+    ASSERT_TRUE(client.Send(Frame('\1' + PlainTopic("scan"))));
+    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
+    PacketHead head;
+    head.channel = "scan";
+    head.encoding = Encoding::kCustom;
+    if (then == Then::kIsStuck) {  // It has not read so much.
+      for (int i = 0; i < 20; ++i) out->Commit(head, conformance::Publication::PayloadOf(std::string(1 << 20, 'x')));
+      test::Linger(std::chrono::milliseconds(500));
+    }
+    client.Reset();
+    EXPECT_TRUE(test::Await([&] {
+      if (then == Then::kPublishes) out->Commit(head, conformance::Publication::PayloadOf("go on"));
+      return out->subscriber_count() == 0;
+    })) << static_cast<int>(then);
+  }
+}
+
+// The kernel sends the end of a closed connection for more than a minute, if nothing answers. Meanwhile a connection
+// from the same port cannot be made.
+TEST(ZmqReset, LeavesNoPortInUse) {
+  Place publisher(PublishAt("tcp://127.0.0.1:*"));
+  const std::string endpoint = publisher.transport->BoundEndpoints().at(0);
+  for (int i = 0; i < 10; ++i) {
+    Client broken(endpoint);
+    const std::uint16_t port = broken.port();
+    ASSERT_NE(port, 0);
+    ASSERT_TRUE(broken.Send("\2\x7f\xff\xff\xff\xff\xff\xff\xff"));  // Of that size: ZeroMQ closes the connection.
+    broken.Reset();
+    const Client again(endpoint, "127.0.0.1", port);
+    ASSERT_EQ(again.port(), port) << i;
+  }
 }
 
 TEST_F(ZmqLimits, AStrangerCannotSpeakInTheNameOfASession) {
@@ -743,9 +829,9 @@ TEST(ZmqAcceptedConnections, AConnectionThatSubscribesToNothingIsClosed) {
   }
   EXPECT_TRUE(accepted.CountTopic(ours[kPlain], PlainTopic("scan"), true));
   EXPECT_TRUE(accepted.NoteSession(ours[kSession], SessionId{1}));
-  const auto closed = [&](std::size_t i) {
+  const auto closed = [&](std::size_t i) {  // ZeroMQ reads the end, and closes it.
     char byte = 0;
-    return recv(theirs[i], &byte, 1, MSG_DONTWAIT) == 0;
+    return recv(ours[i], &byte, 1, MSG_DONTWAIT) == 0;
   };
   accepted.CloseIdle(start + zmq::AcceptedConnections::kIdleAfter - std::chrono::seconds(1));
   EXPECT_FALSE(closed(kIdle));

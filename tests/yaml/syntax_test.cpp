@@ -1,6 +1,7 @@
 #include <random>
 
 #include "config/config_fixture.hpp"
+#include "config/fixture_file.hpp"
 #include "hgros/yaml/document.hpp"
 
 namespace hgros {

@@ -21,7 +21,7 @@ constexpr int kSimulatedScans = 1500;
 
 ScanReader OpenSource(hgros::Context& context) {
   const auto log =
-      context.Declare("log", std::string(),
+      context.Declare("log", "",
                       {.description = "CARMEN log to play, plain or gzip; empty: a drive through a simulated building",
                        .read_only = true});
   const int scans = context.Declare("scans", 0,

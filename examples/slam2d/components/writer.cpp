@@ -34,7 +34,7 @@ std::vector<Relation> OpenRelations(hgros::Context& context) {
 Writer::Writer(hgros::Context& context)
     : context_(context),
       transforms_(context.transforms()),
-      folder_(context.Declare("out", std::string("slam2d_out"),
+      folder_(context.Declare("out", "slam2d_out",
                               {.description = "folder for the files; made if it does not exist", .read_only = true})),
       relations_(OpenRelations(context)),
       maps_(context.Advertise<foxglove::Grid>(kMap, {.latched = 1})),

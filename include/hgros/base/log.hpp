@@ -31,8 +31,9 @@ class HGROS_EXPORT Log {
 
   /// As Write, for lines that may repeat. `key` stands for lines that are alike. The first ten of them are written, but
   /// the same line only once per `interval`. After that there is one line per interval, and each interval is twice as
-  /// long as the one before. A line says how many were held back before it. A key that was not used for an hour begins
-  /// again. Only the latest 1024 keys are remembered; what was held back for another is said when it is forgotten.
+  /// long as the one before. Of keys that begin with the same word and a space, a hundred are written per interval, or
+  /// per 10 s if that is shorter. A line says how many were held back before it. A key that was not used for an hour
+  /// begins again. Only the latest 1024 keys are remembered; what was held back is said when a key is forgotten.
   void WriteLimited(LogLevel level, std::string_view key, std::string_view text,
                     std::chrono::milliseconds interval = std::chrono::seconds(10));
 

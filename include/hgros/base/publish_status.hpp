@@ -22,7 +22,7 @@ enum class PublishStatus {
   kEmpty,          ///< A null or moved-from pointer was published.
   kStopped,        ///< No room until a stop was requested: not delivered.
   kTooLarge,       ///< Another session subscribes, and the message is larger than kMaxMessageBytes: not delivered.
-  kNoMemory,       ///< There is no memory to write the message for other sessions: not delivered.
+  kNoMemory,       ///< There is no memory to copy the message, or to write it for other sessions: not delivered.
 };
 
 [[nodiscard]] constexpr std::string_view ToString(PublishStatus status) noexcept {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hgros/clock/time.hpp"
-#include "hgros/params/param_server.hpp"
+#include "hgros/params/param_declaration.hpp"
 
 namespace hgros {
 
@@ -40,7 +40,8 @@ struct ComponentDescription {
   std::vector<ComponentService> calls;     ///< Those that it calls.
   std::vector<ComponentTimer> timers;
   std::vector<ParamDeclaration> params;
-  std::string state;  ///< The type of its Save; empty if it has none.
+  bool transforms = false;  ///< It has called Context::transforms().
+  std::string state;        ///< The type of its Save; empty if it has none.
   /// The schemas of all these types, by their names. 0: the type has none.
   std::map<std::string, std::uint64_t> fingerprints;
 };

@@ -13,6 +13,7 @@
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/component/components.hpp"
 #include "hgros/graph/message_info.hpp"
+#include "hgros/tf/stamped_edge.hpp"
 
 namespace hgros {
 
@@ -31,17 +32,29 @@ struct InputPosition {
   bool remote = false;       ///< It came over a transport, so `last.sequence` is the sender's.
 };
 
+/// A message that the component has published on a latched channel.
+struct MovingLatched {
+  std::string channel;  ///< As it is called in the session.
+  std::int64_t publish_time_ns = 0;
+  Payload data;
+};
+
 /// What the new place of a component needs from the old one.
 struct MovingState {
   SessionId from;  ///< The session of the old place.
   std::shared_ptr<const RawMessage> state;
   std::vector<InputPosition> positions;
+  std::vector<MovingLatched> latched;  ///< Oldest first on each channel.
+  /// What the component has set with Context::transforms(), except for edges that its constructor sets: it sets them in
+  /// each place. Oldest first.
+  std::vector<StampedEdge> static_edges;
 };
 
 /// The place that a component leaves while it runs. Together with ArrivingComponent, no message is lost, handled twice
 /// or out of order, except for those of publishers that do not count them (MessageInfo::number). Those that several
 /// threads publish at once on one channel in one of the two processes, and those of a concurrent input, are handled
-/// once, but may be out of order.
+/// once, but may be out of order. What it has latched moves along, except on a channel on which other components of one
+/// of the two sessions publish as well. So do its static edges (Transforms::ToStaticTF).
 ///
 ///     LeavingComponent                      ArrivingComponent
 ///                                           constructed: it receives, and nothing is handled yet
@@ -58,6 +71,9 @@ struct MovingState {
 /// something for Next.
 class HGROS_EXPORT LeavingComponent {
  public:
+  /// As ArrivingComponent::HasPublisherHere, where it runs now. Throws Error if there is no such component.
+  [[nodiscard]] static bool HasPublisherHere(Components& components, const std::string& name, std::string_view channel);
+
   /// Errors: throws Error if there is no such component, or its class has no Save.
   LeavingComponent(Components& components, std::string name, std::function<void()> wake);
   LeavingComponent(const LeavingComponent&) = delete;
@@ -79,8 +95,10 @@ class HGROS_EXPORT LeavingComponent {
   void Leave();
   /// After Leave: the next message for the other place.
   [[nodiscard]] std::optional<MovingMessage> Next();
-  /// The other place receives this message and all later ones of its publisher by itself. It gets those before it from
-  /// here.
+  /// Whether Next has more now or in a moment.
+  [[nodiscard]] bool has_more() const;
+  /// The other place receives this message and all later ones of its publisher by itself. It gets those before it, and
+  /// this one as well, from here.
   void Passed(const InputPosition& position);
   /// All publishers from which something was received have passed, and the other place has all of their messages. One
   /// that publishes nothing does not pass: set a limit. The messages that it publishes meanwhile come over both places.

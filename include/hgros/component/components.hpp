@@ -48,6 +48,8 @@ struct ComponentStatus {
   std::uint64_t exceptions = 0;  ///< Exceptions of its callbacks, handlers and timers.
   std::string exception = {};    ///< The text of the last one.
   std::uint64_t late = 0;        ///< Callbacks, handlers and timers that took longer than the deadline.
+  /// It has called Context::transforms(), and its constructor has not, so ComponentDescription does not say so.
+  bool undeclared_transforms = false;
 };
 
 struct ComponentsOptions {
@@ -99,7 +101,7 @@ class HGROS_EXPORT Components {
   void Start();
 
   /// Saves the state of a component between its callbacks, which wait meanwhile. Null if its class has no Save. Throws
-  /// Error if callbacks still run after `patience`.
+  /// Error if callbacks still run after `patience`, or it has been deactivated.
   [[nodiscard]] std::shared_ptr<const RawMessage> Save(std::string_view name,
                                                        std::chrono::nanoseconds patience = std::chrono::seconds(1));
   using SetupAgain = std::function<ComponentSetup()>;
@@ -120,6 +122,11 @@ class HGROS_EXPORT Components {
   void NoteHanging(std::string_view name);
   /// Ends a component: its timers, Deactivate if it was activated, its subscriptions and services; then destroys it.
   void End(std::string_view name);
+  /// The process is about to end: no more components are activated. Those that are still active 0.8 s later, because
+  /// another one hangs or is slow, are deactivated together, each on a thread of its own; their timers stop before. The
+  /// destructor calls this first. Call it earlier if the thread of the components may hang in one of them.
+  /// Thread safety: from any thread.
+  void BeginEnd() noexcept;
 
   [[nodiscard]] std::vector<ComponentStatus> statuses() const;
   [[nodiscard]] const ComponentDescription& description(std::string_view name) const;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -23,9 +22,8 @@ class ContextCore;
 class SimulatedClock;
 class Transforms;
 
-/// What a component is constructed from: everything it exchanges with the rest of the robot. The component does not
-/// know in which thread, process or host it runs, nor what its channels are called there: the robot file may rename
-/// channels and services, and sets the queue and the executor of each node.
+/// What a component is constructed from: everything it exchanges with the rest of the robot. It does not know in which
+/// thread, process or host it runs: the robot file says so, renames channels, and sets queues and executors of nodes.
 ///
 ///     class Mapper {
 ///      public:
@@ -35,15 +33,13 @@ class Transforms;
 ///         context.FromAny<foxglove::LaserScan>("scan", hgros::Invoke::kSerial,
 ///                                              [this](const foxglove::LaserScan& scan) { Add(scan); });
 ///       }
-///      ...
 ///     };
 ///     HGROS_COMPONENT(Mapper, "slam2d/Mapper")
 ///
 /// Ordering:  callbacks, handlers and timers begin after the constructor, and end before the destructor. Publish from
-///            Activate() and from callbacks; in the constructor only what is latched.
+///            Activate() and from callbacks: in the constructor the component has no state yet.
 /// Threading: thread-safe. Use it from the constructor, or keep a reference: it lives longer than the component.
-/// Errors:    wiring throws Error. The constructor may let it pass: the component then cannot be started, and the error
-///            is shown with the component's name.
+/// Errors:    wiring throws Error. If the constructor lets it pass, the component is not started, and the error shown.
 class HGROS_EXPORT Context {
  public:
   /// For Components.
@@ -120,12 +116,16 @@ class HGROS_EXPORT Context {
       return fallback;
     }
   }
+  template <std::size_t N>
+  std::string Declare(std::string_view path, const char (&fallback)[N], ParamInfo info = {}) {
+    return Declare(path, std::string(fallback), std::move(info));
+  }
   /// The parameters of this component, which others see under its name.
   [[nodiscard]] ParamServer& params() noexcept;
 
-  /// The transforms of the robot.
+  /// The transforms of the robot. Static edges that the component sets move along with it. Call it in the constructor
+  /// and keep the reference: a robot on several hosts passes transforms between the components that have declared so.
   [[nodiscard]] Transforms& transforms();
-
   /// Writes lines with the component's name.
   [[nodiscard]] Log& log() noexcept;
 

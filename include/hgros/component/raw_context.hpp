@@ -21,10 +21,14 @@ class RawServiceClient {
   RawServiceClient(Session& session, std::string service, MessageSchema request, MessageSchema reply)
       : session_(&session), service_(std::move(service)), request_(std::move(request)), reply_(std::move(reply)) {}
 
+  /// The robot's name for it.
+  [[nodiscard]] const std::string& service() const noexcept { return service_; }
+
   /// As Session::CallRaw.
   template <std::invocable<const CallResult<RawMessage>&> F>
-  CallTicket Call(const Payload& request, std::chrono::nanoseconds timeout, F&& callback) const {
-    return session_->CallRaw(service_, request_, request, reply_, timeout, std::forward<F>(callback));
+  CallTicket Call(const Payload& request, std::chrono::nanoseconds timeout, F&& callback,
+                  const Executor& executor = Executor::Tbb()) const {
+    return session_->CallRaw(service_, request_, request, reply_, timeout, std::forward<F>(callback), executor);
   }
 
  private:
@@ -49,9 +53,10 @@ class HGROS_EXPORT RawContext {
                NodeOptions options = {}, const CallSite& where = CallSite::Current()) {
     AddInput(channel, schema, invoke, EraseCallback<RawMessage>(std::forward<F>(callback)), std::move(options), where);
   }
-  /// As Context::Serve.
-  void Serve(std::string_view service, const MessageSchema& request, const MessageSchema& reply, RawHandler handler,
-             Invoke invoke = Invoke::kSerial, NodeOptions options = {}, const CallSite& where = CallSite::Current());
+  /// As Context::Serve. Returns the robot's name for the service.
+  std::string Serve(std::string_view service, const MessageSchema& request, const MessageSchema& reply,
+                    RawHandler handler, Invoke invoke = Invoke::kSerial, NodeOptions options = {},
+                    const CallSite& where = CallSite::Current());
   /// As Context::Client.
   [[nodiscard]] RawServiceClient Client(std::string_view service, const MessageSchema& request,
                                         const MessageSchema& reply);

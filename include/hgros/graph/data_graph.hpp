@@ -91,13 +91,10 @@ class HGROS_EXPORT DataGraph {
   void SetClosed(std::string_view channel, bool closed);
 
   [[nodiscard]] GraphSnapshot Snapshot() const;
-
   /// Waits until no callback runs and no message is queued, provided that nothing is published meanwhile. False if
   /// `deadline` came first. Must not be called inside a callback.
   bool WaitIdle(std::chrono::steady_clock::time_point deadline) const;
-
   // For the session, which joins the graph to transports.
-
   /// The channel of that name, created with this type if it is new.
   Channel& Open(std::string_view channel, const TypeInfo& type, const CallSite& where);
   /// The channel with shared ownership of its graph.
@@ -106,6 +103,11 @@ class HGROS_EXPORT DataGraph {
   [[nodiscard]] Subscription Subscribe(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
                                        NodeOptions options);
   void Latch(Channel& channel, std::size_t count);
+  /// Latches these, of `type`, in place of what this publisher and `other` have latched. Delivers nothing.
+  void ReplaceLatched(std::string_view channel, std::vector<AnyMessage> messages, const TypeInfo& type,
+                      SessionId other);
+  /// Forgets what other sessions have latched, unless the channel has nodes: false then.
+  [[nodiscard]] static bool ForgetRemoteLatched(Channel& channel);
   /// Sets the way out of the process; null removes it. The old one is kept until no publish uses it any more.
   void SetOutlet(Channel& channel, std::shared_ptr<Outlet> outlet);
   [[nodiscard]] static bool HasOutlet(const Channel& channel) noexcept;
@@ -115,7 +117,7 @@ class HGROS_EXPORT DataGraph {
   static bool Inject(Channel& channel, const AnyMessage& message, const TypeInfo& type, const MessageInfo& info,
                      std::shared_ptr<const void> credit, std::size_t latched,
                      UserCode user_code = UserCode::kAllowed) noexcept;
-  /// The type of the channel as which a message from outside is best decoded for its nodes.
+  /// The type as which a message from outside is best decoded for the channel's nodes.
   [[nodiscard]] static const TypeInfo& InboundType(const Channel& channel) noexcept;
   /// How the channel's nodes use the thread that delivers the next message to them.
   [[nodiscard]] static ThreadUse UseOfThread(const Channel& channel) noexcept;
@@ -125,17 +127,15 @@ class HGROS_EXPORT DataGraph {
   static void NotifyRoom(Channel& channel) noexcept;
   [[nodiscard]] static const TypeInfo& TypeOfChannel(const Channel& channel) noexcept;
   [[nodiscard]] static const std::string& NameOf(const Channel& channel) noexcept;
-  /// Number of nodes on a channel, and of messages published on it so far; 0 if there is no such channel.
+  /// Of nodes on a channel, and of messages published on it so far; 0 if there is no such channel.
   [[nodiscard]] std::size_t NodeCount(std::string_view channel) const noexcept;
   [[nodiscard]] std::uint64_t PublishedCount(std::string_view channel) const noexcept;
-  /// The publisher is lost. Until it is back, new nodes get none of its latched messages. Only a few are remembered.
+  /// Until the lost publisher is back, new nodes get none of its latched messages. Only a few are remembered.
   void PublisherIsGone(std::uint64_t publisher);
   /// Nodes added meanwhile get its latched messages, inline nodes on this thread.
   void PublisherIsBack(std::uint64_t publisher);
-
   /// Logs which names in GraphOptions::overrides match no node, with similar node names. Only the first call does this.
   void LogUnmatchedOverrides();
-
   /// Refuses publishes from now on and cancels waits.
   void Refuse() noexcept;
   /// Does the work of the destructor; later calls are still safe and do nothing.

@@ -50,6 +50,7 @@ class HGROS_EXPORT Subscription {
   void Attach(std::shared_ptr<const void> companion);
 
  private:
+  friend class NodeQueue;
   struct State;
 
   [[nodiscard]] std::shared_ptr<Node> Current() const;

@@ -9,7 +9,8 @@
 namespace hgros {
 
 /// Reloads the parameters when one of their files changes on disk, as long as this object lives; also at the start if a
-/// file has changed since it was read.
+/// file has changed since it was read. A file changes, too, when a link or a folder on the way to it is replaced in a
+/// folder that this process may read.
 ///
 /// Threading: a thread of its own, which sleeps in between. Listeners and `done` run on it; at the start they run on
 /// the thread that creates the watch.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -13,28 +14,11 @@
 #include "hgros/base/log.hpp"
 #include "hgros/internal/base/listeners.hpp"
 #include "hgros/params/param_codec.hpp"
+#include "hgros/params/param_declaration.hpp"
 #include "hgros/params/param_sources.hpp"
 #include "hgros/params/param_view.hpp"
 
 namespace hgros {
-
-/// Describes a parameter when it is declared.
-struct ParamInfo {
-  std::string description = {};
-  std::string unit = {};                  ///< For durations, the range is in seconds.
-  std::optional<double> least = {};       ///< For a number, a duration, or each item of a list.
-  std::optional<double> most = {};        ///< Both bounds are included.
-  std::vector<std::string> choices = {};  ///< For a text, or each item of a list.
-  bool read_only = false;                 ///< Keeps the value from the start of the program.
-  bool operator==(const ParamInfo&) const = default;
-};
-
-struct ParamDeclaration {
-  std::string path;
-  ParamInfo info;
-  std::string type = {};      ///< "bool", "integer", "number", "duration", "text", "list" or "map", as the default is.
-  std::string fallback = {};  ///< The default, as YAML. Both are empty if the session's version does not tell them.
-};
 
 /// A parameter to set, or to remove if it has no value; a declared parameter then returns to its default.
 struct ParamChange {
@@ -108,6 +92,10 @@ class HGROS_EXPORT ParamServer {
     const ParamView view = DeclareNode(path, ParamCodec<T>::Write(fallback), std::move(info),
                                        [](const ParamView& value) { (void)value.as<T>(); });
     return view.as<T>();
+  }
+  template <std::size_t N>
+  std::string Declare(std::string_view path, const char (&fallback)[N], ParamInfo info = {}) {
+    return Declare(path, std::string(fallback), std::move(info));
   }
   [[nodiscard]] std::vector<ParamDeclaration> Declarations() const;
 

@@ -119,6 +119,9 @@ struct HGROS_EXPORT RobotFile {
   [[nodiscard]] static bool Is(const std::filesystem::path& file,
                                const std::vector<std::string>& sections_of_program = {});
 
+  /// From now on the component runs in that process. There are both.
+  void Place(std::string_view component, std::string_view process);
+
   /// Null if there is none of that name.
   [[nodiscard]] const RobotComponent* FindComponent(std::string_view name) const;
   [[nodiscard]] const RobotProcess* FindProcess(std::string_view name) const;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +17,7 @@
 
 namespace hgros {
 
+class NetworkBridge;
 class SessionCore;
 
 /// The endpoints and peers of a Session. Use it as a part of Session, which documents threading and errors.
@@ -24,7 +28,8 @@ class HGROS_EXPORT SessionNetwork {
   /// The same for the subscriber endpoints, through which messages enter.
   void AllowSubscribing(std::string_view channel, bool allowed);
 
-  /// Binds or connects one more endpoint. Throws Error if that is not possible.
+  /// Binds or connects one more endpoint. Throws Error if that is not possible, or if a configuration file may not have
+  /// it.
   void AddPublisherEndpoint(const EndpointConfig& endpoint);
   void AddSubscriberEndpoint(const EndpointConfig& endpoint);
   void RemoveSubscriberEndpoint(std::string_view endpoint);
@@ -35,6 +40,18 @@ class HGROS_EXPORT SessionNetwork {
   /// Known one heartbeat after two sessions have connected over endpoints, and improved by each heartbeat. Latencies in
   /// statistics are corrected by it. Empty for a session that is not a peer or has not answered yet.
   [[nodiscard]] std::optional<ClockOffset> OffsetTo(SessionId peer) const;
+
+  /// Waits on the calling thread until `done()`, and lets this thread receive what sessions of this host send, so that
+  /// no other one has to be woken first. For loops that handle messages on a thread of their own, such as those of
+  /// other languages. Callbacks of Executor::Inline() may run on this thread; `done` must neither block nor throw.
+  ///
+  /// Returns true after `done()`, after `until`, after a signal, or for no reason. False at once: this thread cannot
+  /// receive, because shared memory is off or spins, or another thread does so; then wait in another way. The session
+  /// outlives the call.
+  [[nodiscard]] bool ReceiveHere(const std::function<bool()>& done, std::chrono::steady_clock::time_point until);
+  /// Lets ReceiveHere() call `done` once more. Call it after another thread has changed what that depends on. It takes
+  /// no lock.
+  void WakeReceiver() const noexcept;
 
   /// The sessions that are connected now, each with the transport of its messages.
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
@@ -48,6 +65,7 @@ class HGROS_EXPORT SessionNetwork {
 
  private:
   SessionCore& network_core_;
+  std::atomic<NetworkBridge*> receiving_{nullptr};  // Of the last ReceiveHere().
 };
 
 }  // namespace hgros

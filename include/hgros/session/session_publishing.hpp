@@ -47,12 +47,18 @@ class HGROS_EXPORT SessionPublishing {
     const std::shared_ptr<const Type> constant = message;
     return hgros::Publish(OpenAny(channel, TypeOf<Type>(), where), OfferOf<Type>(constant), Reach::kAny);
   }
-  /// Publishes a copy of `message`, for small messages.
+  /// Publishes a copy of `message`, for small messages; kNoMemory if there is no memory for it.
   template <class T>
   requires std::copy_constructible<T> PublishStatus ToAny(std::string_view channel, const T& message,
                                                           const CallSite& where = CallSite::Current()) {
     RequireMessage<T>();
-    return ToAny<T>(channel, std::make_unique<T>(message), where);
+    return PublishValue(OpenAny(channel, TypeOf<T>(), where), message, Reach::kAny);
+  }
+  /// Moves from `message`. On any status except kOk it is as it was.
+  template <class T>
+  requires(Message<T>&& std::movable<T>) PublishStatus
+      ToAny(std::string_view channel, T&& message, const CallSite& where = CallSite::Current()) {
+    return PublishValue(OpenAny(channel, TypeOf<T>(), where), std::move(message), Reach::kAny);
   }
 
   /// Publishes to nodes of this process only; any type.

@@ -78,11 +78,15 @@ class HGROS_EXPORT SessionServices {
   [[nodiscard]] CallFuture<RawMessage> CallRaw(std::string_view name, const MessageSchema& request_schema,
                                                const Payload& request, const MessageSchema& reply,
                                                std::chrono::nanoseconds timeout);
+  /// The same with a callback. With Executor::Inline(), the thread that ends the call calls it at once, even if no
+  /// worker is free. That may be a thread of the session: so it must not wait, and only hands the result to another
+  /// one. Errors: also Error for Executor::Dedicated().
   template <std::invocable<const CallResult<RawMessage>&> F>
   CallTicket CallRaw(std::string_view name, const MessageSchema& request_schema, const Payload& request,
-                     const MessageSchema& reply, std::chrono::nanoseconds timeout, F&& callback) {
-    return CallTicket(
-        CallBytes(name, request_schema, request, reply, timeout, AnswerTo<RawMessage>(std::forward<F>(callback))));
+                     const MessageSchema& reply, std::chrono::nanoseconds timeout, F&& callback,
+                     const Executor& executor = Executor::Tbb()) {
+    return CallTicket(CallBytes(name, request_schema, request, reply, timeout,
+                                AnswerTo<RawMessage>(std::forward<F>(callback)), executor));
   }
 
  protected:
@@ -114,11 +118,13 @@ class HGROS_EXPORT SessionServices {
   }
   std::shared_ptr<PendingCall> CallBytes(std::string_view name, const MessageSchema& request_schema,
                                          const Payload& request, const MessageSchema& reply,
-                                         std::chrono::nanoseconds timeout, AnyAnswer callback);
+                                         std::chrono::nanoseconds timeout, AnyAnswer callback,
+                                         const Executor& executor);
   Service ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
                    NodeOptions options, const CallSite& where);
   std::shared_ptr<PendingCall> CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
-                                       std::chrono::nanoseconds timeout, AnyAnswer callback);
+                                       std::chrono::nanoseconds timeout, AnyAnswer callback,
+                                       bool answers_inline = false);
 
   SessionCore& services_core_;
 };

@@ -82,7 +82,7 @@ enum class SetFault : std::uint8_t {
   kNone,
   kName,           ///< Empty, or not usable as a name.
   kRotation,       ///< Not of unit length (more than 0.1 % off), or not a number.
-  kTranslation,    ///< Not a finite number.
+  kTranslation,    ///< Not a finite number, or above 1e12 m.
   kCycle,          ///< The parent is a descendant of the child.
   kTwoParents,     ///< The child already has another parent.
   kStatic,         ///< A static edge was set with a stamp, or a moving one without.

@@ -78,6 +78,9 @@ class HGROS_EXPORT TransformTree {
   /// all transforms of that edge. Until then the old ones are found, and waits for a stamp that is too old continue. A
   /// transform with a stamp after `latest` was still on its way when time jumped; it is added to the old ones.
   void RestartTime(Time latest = Time::Never()) noexcept;
+  /// The clock that gave the stamps of the edge above `child` was set back, and gives none after `possible` now. If the
+  /// edge has such stamps, its next transform that is too old for it replaces all of them. Returns whether it has.
+  bool RestartEdge(std::string_view child, Time possible) noexcept;
 
   /// T_target_source at the latest time that all edges between the two frames have.
   [[nodiscard]] TransformResult Lookup(FrameId target, FrameId source) const;

@@ -18,6 +18,10 @@
 
 namespace hgros {
 
+namespace tf {
+struct EdgeSetter;
+}
+
 /// The channel on which sessions exchange transforms that move: foxglove::FrameTransforms.
 inline constexpr std::string_view kTransformsChannel = "tf";
 /// The channel for static transforms. Latched: each session's last message holds all its static edges.
@@ -36,7 +40,7 @@ struct TransformsOptions {
   /// Queue of the node "tf", which receives the transforms of other sessions.
   NodeOptions node = {.name = "tf", .queue = Queue::KeepLast(256)};
   /// Called after received transforms were put into the tree, so that a program can draw what changed. Runs on the
-  /// threads of the nodes "tf" and "tf_static", so two calls can overlap. Starts with the first FromTF or tree(). May
+  /// threads of the nodes "tf" and "tf_static", so two calls can overlap. Starts with the subscriptions. May
   /// use the tree, which has the new transforms by then. An exception counts as an error of the node. The destructor
   /// waits for a running call. Not called for transforms set directly in the tree or dropped when the clock jumps.
   std::function<void()> on_received = nullptr;
@@ -48,7 +52,9 @@ struct TransformsStats {
   std::uint64_t unsent_transforms = 0;  ///< Not sent to other sessions: a lossless subscriber had no room.
   std::uint64_t received_transforms = 0;
   std::uint64_t refused_transforms = 0;  ///< Received transforms that the tree refused; the log says why.
-  std::uint64_t shared_edges = 0;        ///< Edges that two sessions set; the log names them.
+  /// Edges that two sessions set; the log names them. Static ones are counted when that lasts longer than it takes to
+  /// know that a session has gone (7 s by default), others when they have come from the two in turns, five times.
+  std::uint64_t shared_edges = 0;
 };
 
 /// The transforms of a session in one tree: those it sets, which are also sent to other sessions, and those it
@@ -59,14 +65,15 @@ struct TransformsStats {
 ///     transforms.ToTF(scan.stamp, "map", "base", T_map_base);
 ///     if (const auto found = transforms.FromTF("map", "laser", scan.stamp)) Use(found->T_target_source);
 ///
-/// A program that only sets transforms subscribes to none. The first call of FromTF or tree() subscribes; it takes a
-/// moment until transforms of other sessions arrive. tree().Wait waits for one.
+/// A program that only sets transforms subscribes to none. The first call of FromTF or tree() subscribes, and a move
+/// of a component; it takes a moment until transforms of other sessions arrive. tree().Wait waits for one.
 ///
 /// When the session's clock jumps back, for example because a recording restarts, the tree restarts by itself
 /// (TransformTree::RestartTime): new transforms replace old ones, and pending waits continue.
 ///
 /// Thread safety: all functions except construction and destruction.
-/// Lifetime: ends before its session, and not inside one of its callbacks. A session has at most one at a time.
+/// Lifetime: ends before its session, and not inside one of its callbacks. A session has at most one at a time. The
+///           components of a session share one.
 /// Errors: the constructor throws Error if the session has a Transforms already, or if its clock cannot be watched for
 /// jumps. Setting returns a result that names the refused edge. Refused transforms of other sessions, and edges that
 /// two sessions set, are counted and logged.
@@ -110,8 +117,11 @@ class HGROS_EXPORT Transforms {
   [[nodiscard]] TransformsStats stats() const;
 
  private:
+  friend class TransformsParts;
   class Core;
-  std::unique_ptr<Core> core_;
+  Transforms(std::shared_ptr<Core> core, std::shared_ptr<tf::EdgeSetter> setter);
+  std::shared_ptr<Core> core_;
+  std::shared_ptr<tf::EdgeSetter> setter_;  // Of a component.
 };
 
 }  // namespace hgros

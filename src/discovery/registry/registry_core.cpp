@@ -43,6 +43,7 @@ RegistryCore::RegistryCore(const RegistryOptions& options, DiscoveryListener& li
   Open();
   Scan(true);
   book_.Tell(listener_);
+  LookElsewhere();  // Some commands end before they announce themselves.
   thread_ = StartThread<std::thread>("the thread of the registry", [this] { Loop(); });
 }
 
@@ -77,7 +78,10 @@ void RegistryCore::Loop() {
     }
     LookAgain();
     own_.WriteIfDue();
-    if (own_.announced() && next_look_elsewhere_ <= Clock::now()) LookElsewhere();
+    if (own_.announced() && next_look_elsewhere_ <= Clock::now()) {
+      LookElsewhere();
+      PlanLookElsewhere();
+    }
   }
 }
 
@@ -243,9 +247,12 @@ void RegistryCore::LookAgain() {
 
 // Two sessions that start at the same moment may choose two folders. After both have announced themselves, at least one
 // of them sees the other. Only root sees the folders of others, and these sessions may start later.
-void RegistryCore::LookElsewhere() {
+void RegistryCore::PlanLookElsewhere() {
   next_look_elsewhere_ = geteuid() == 0 ? Clock::now() + between_looks_elsewhere_ : Clock::time_point::max();
   between_looks_elsewhere_ = std::min<Clock::duration>(2 * between_looks_elsewhere_, kLongestLookElsewhere);
+}
+
+void RegistryCore::LookElsewhere() {
   for (const RegistryFolder::Elsewhere& other : folder_.FindElsewhere()) {
     if (!said_elsewhere_.insert(other.folder).second) continue;
     log_.WriteLimited(LogLevel::kWarning, "registry elsewhere",

@@ -60,6 +60,7 @@ class RegistryCore {
   void ExamineAlive(const std::string& name, SessionId session, const FileLook& look);
   void Forget(const std::string& name, SessionId session, std::string_view reason);
   void LookElsewhere();
+  void PlanLookElsewhere();
   void LookAgain();
   void SayOnce(const std::string& name, const std::string& fault);
 

@@ -6,6 +6,7 @@
 #include "graph/channel/epoch.hpp"
 #include "graph/graph_core.hpp"
 #include "graph/nodes/callback_scope.hpp"
+#include "hgros/base/thread_local.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 
@@ -52,7 +53,7 @@ class Channel::Handover {
   std::vector<Publication> waiting;
 
  private:
-  static inline thread_local Handover* innermost = nullptr;
+  static inline HGROS_THREAD_LOCAL Handover* innermost = nullptr;
 
   const Channel& channel_;
   Handover* const outer_;
@@ -82,7 +83,7 @@ PublishStatus Channel::TryAs(const MessageOffer& offer, const TypeInfo& type, Re
   PreparedMessage prepared;
   if (outlet != nullptr) {
     if (const PublishStatus status = outlet->Reserve(offer.message, type, prepared); status != PublishStatus::kOk) {
-      if (reserved) CancelAll(fanout, fanout.nodes.size(), bytes);
+      if (reserved && CancelReservations(fanout, fanout.nodes.size(), bytes)) NotifyRoom();
       return status;
     }
   }
@@ -137,8 +138,8 @@ void DeliverToNewcomers(const Fanout& before, const Fanout& after, AnyMessage& m
 void Channel::HandOver(Publication& publication, std::int64_t now) noexcept {
   auto& [message, type, info, fanout, after, outlet, bytes, reserved, local, prepared] = publication;
   if (local) {
-    const bool last = outlet == nullptr && after == fanout;
-    Deliver(*fanout, publication.message, info, nullptr, {bytes, reserved, last, nullptr, now});
+    Deliver(*fanout, publication.message, info, nullptr,
+            {bytes, reserved, outlet == nullptr && after == fanout, nullptr, now});
     if (after != fanout) DeliverToNewcomers(*fanout, *after, publication.message, info, bytes);
   }
   if (outlet != nullptr) (void)outlet->Commit(message, *type, info, std::move(prepared));
@@ -168,18 +169,10 @@ PublishStatus Channel::PublishToSole(const Fanout& fanout, const MessageOffer& o
 bool Channel::ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept {
   for (std::size_t i = 0; i < fanout.nodes.size(); ++i) {
     if (!fanout.nodes[i]->lossless() || fanout.nodes[i]->Reserve(bytes)) continue;
-    CancelAll(fanout, i, bytes);
+    if (CancelReservations(fanout, i, bytes)) NotifyRoom();
     return false;
   }
   return true;
-}
-
-void Channel::CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept {
-  bool missed = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (fanout.nodes[i]->lossless()) missed = fanout.nodes[i]->CancelReservation(bytes) || missed;
-  }
-  if (missed) NotifyRoom();
 }
 
 void Channel::Deliver(const Fanout& fanout, AnyMessage& message, const MessageInfo& info,
@@ -278,29 +271,6 @@ void Channel::Replace(std::shared_ptr<const Fanout> fanout) {
   epoch::Retire(std::move(fanout));
 }
 
-namespace {
-
-std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> nodes) {
-  auto fanout = std::make_shared<Fanout>();
-  for (const std::shared_ptr<Node>& node : nodes) {
-    const NodeSetting& setting = node->setting();
-    if (setting.queue.lossless()) fanout->sole_lossless = fanout->lossless ? nullptr : node.get();
-    fanout->lossless = fanout->lossless || setting.queue.lossless();
-    fanout->count_bytes = fanout->count_bytes || setting.queue.limit_bytes() != Queue::kUnlimitedBytes;
-    fanout->has_inline = fanout->has_inline || setting.executor.kind() == Executor::Kind::kInline;
-    // A node that reads the bytes in place gets them without a copy; copies are made only for the other nodes.
-    fanout->raw += IsAnyType(*setting.type) ? 1 : 0;
-    const bool raw =
-        fanout->inbound != nullptr && IsAnyType(*fanout->inbound);  // Messages of other types are made from it.
-    const bool better = setting.type->encode_in_place != nullptr || IsAnyType(*setting.type);
-    if (fanout->inbound == nullptr || (better && !raw)) fanout->inbound = setting.type;
-  }
-  fanout->nodes = std::move(nodes);
-  return fanout;
-}
-
-}  // namespace
-
 void Channel::Add(const std::shared_ptr<Node>& node) {
   const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
   std::vector<QueuedMessage> kept = latched_messages_.ForNewNode(node);
@@ -331,6 +301,20 @@ void Channel::Latch(std::size_t count) {
   if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
 }
 
+void Channel::ReplaceLatched(std::vector<AnyMessage> messages, const TypeInfo& type, std::uint64_t other) {
+  for (AnyMessage& message : messages) message = Wrapped(std::move(message), type);
+  LatchedMessages::Messages removed;  // Destroyed after the lock, as in Store().
+  const std::scoped_lock lock(latch_mutex_);
+  removed = latched_messages_.ReplaceOwn(numbers_.NewInfo(core_.publisher()), std::move(messages), other);
+}
+
+bool Channel::ForgetRemoteLatched() {
+  LatchedMessages::Messages removed;  // Destroyed after the lock.
+  const std::scoped_lock lock(wiring_mutex_, latch_mutex_);
+  if (current_fanout_->nodes.empty()) removed = latched_messages_.ForgetRemote();
+  return current_fanout_->nodes.empty();
+}
+
 std::vector<std::shared_ptr<Node>> Channel::Nodes() const {
   const std::scoped_lock lock(wiring_mutex_);
   return current_fanout_->nodes;
@@ -340,16 +324,15 @@ ThreadUse Channel::UseOfThread() const noexcept {
   const epoch::Guard guard;
   const Fanout* const fanout = fanout_.load(std::memory_order_seq_cst);
   if (fanout->has_inline) return ThreadUse::kInline;
-  const bool helps = std::ranges::any_of(fanout->nodes, [](const auto& node) { return node->WouldWakeWorker(); });
-  return helps ? ThreadUse::kRunNode : ThreadUse::kNone;
+  const auto wakes = [](const auto& node) { return node->WouldWakeWorker(); };
+  return std::ranges::any_of(fanout->nodes, wakes) ? ThreadUse::kRunNode : ThreadUse::kNone;
 }
 
 const TypeInfo& Channel::InboundType() const noexcept {
   if (other_type_.load(std::memory_order_acquire) == nullptr && !raw_.expected()) return type();
   const epoch::Guard guard;
   const TypeInfo* const inbound = fanout_.load(std::memory_order_seq_cst)->inbound;
-  if (inbound != nullptr) return *inbound;
-  return IsRunTimeType(type()) ? AnyType() : type();
+  return inbound != nullptr ? *inbound : IsRunTimeType(type()) ? AnyType() : type();
 }
 
 ChannelSnapshot Channel::Snapshot() const {

@@ -42,6 +42,7 @@ class Channel {
   PublishStatus Publish(const MessageOffer& offer, Reach reach) noexcept;
   PublishStatus PublishWait(const MessageOffer& offer, Reach reach, std::chrono::steady_clock::time_point deadline,
                             const std::stop_token& stop);
+  void CountRefused() noexcept { counts_.refused.fetch_add(1, std::memory_order_relaxed); }
   // `type` is one of the channel's types.
   [[nodiscard]] bool Inject(AnyMessage message, const TypeInfo& type, const MessageInfo& info,
                             std::shared_ptr<const void> credit, std::size_t latched, UserCode user_code) noexcept;
@@ -52,14 +53,16 @@ class Channel {
   // is known at run time only fits if it is interchangeable with the channel's; a C++ type takes its place. `where` is
   // the place of the request, for errors.
   [[nodiscard]] bool TryUseWith(const TypeInfo& type, const CallSite& where);
-  // A message of this channel as `type`, which is one of its types. Converted at most once for all nodes; null if it
-  // fails.
+  // A message of this channel as `type`, one of its types; null if that fails. Converted at most once for all nodes.
   [[nodiscard]] AnyMessage InForm(const AnyMessage& message, const TypeInfo& type);
 
   void Add(const std::shared_ptr<Node>& node);
   void Remove(const Node& node);
   void SetOutlet(std::shared_ptr<Outlet> outlet);
   void Latch(std::size_t count);
+  // See DataGraph.
+  void ReplaceLatched(std::vector<AnyMessage> messages, const TypeInfo& type, std::uint64_t other);
+  [[nodiscard]] bool ForgetRemoteLatched();
   // While a remote publisher is gone, new nodes get none of its latched messages; they get them when it is back.
   void PublisherIsGone(std::uint64_t publisher);
   // `incarnation`: of its next message, if that has come first and waits for this.
@@ -110,14 +113,12 @@ class Channel {
                       UserCode user_code);
   // Reserves room in all lossless nodes, or in none of them.
   [[nodiscard]] bool ReserveAll(const Fanout& fanout, std::size_t bytes) noexcept;
-  void CancelAll(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
   void Replace(std::shared_ptr<const Fanout> fanout);
 
   const std::string name_;
   std::atomic<const TypeInfo*> type_;  // Replaced, under wiring_mutex_, if it was AnyType() or a run-time type.
   std::string declared_at_;            // Guarded by wiring_mutex_.
   GraphCore& core_;
-
   std::atomic<const Fanout*> fanout_;
   std::atomic<Outlet*> outlet_{nullptr};
   std::atomic<const TypeInfo*> other_type_{nullptr};  // Set once, under wiring_mutex_.
@@ -135,16 +136,13 @@ class Channel {
   std::shared_ptr<const Fanout> current_fanout_;
   std::shared_ptr<Outlet> current_outlet_;
   std::atomic<std::size_t> next_node_number_{0};
-
   // Held while nodes get what a publisher that is back has latched, so that they get its next message later.
   std::recursive_mutex returns_mutex_;
   std::mutex latch_mutex_;
   LatchedMessages latched_messages_;
   bool returns_ = false;  // Nodes get them now; guarded by latch_mutex_.
   RawForms raw_forms_;
-
   RoomSignal room_;
-
   ChannelCounts counts_;
 };
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros::epoch {
 namespace {
 
@@ -44,8 +46,8 @@ Reader* TakeReader() noexcept {
 }
 
 // Both outlive the thread's other thread-local objects, which may still publish in their destructors.
-thread_local Reader* reader_here = nullptr;
-thread_local bool thread_ends = false;
+HGROS_THREAD_LOCAL Reader* reader_here = nullptr;
+HGROS_THREAD_LOCAL bool thread_ends = false;
 
 struct Registration {
   ~Registration() {
@@ -69,7 +71,7 @@ Reader& ThisThread() noexcept {
   if (reader_here == nullptr) [[unlikely]] {
     reader_here = TakeReader();
     reader_here->late = thread_ends;
-    if (!thread_ends) thread_local const Registration registration;
+    if (!thread_ends) HGROS_THREAD_LOCAL const Registration registration;
   }
   return *reader_here;
 }

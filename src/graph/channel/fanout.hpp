@@ -19,4 +19,8 @@ struct Fanout {
   std::size_t raw = 0;                // Number of nodes that take messages raw.
 };
 
+// Gives back what the lossless among the first `count` nodes have reserved. True if somebody waits for that room.
+[[nodiscard]] bool CancelReservations(const Fanout& fanout, std::size_t count, std::size_t bytes) noexcept;
+[[nodiscard]] std::shared_ptr<const Fanout> MakeFanout(std::vector<std::shared_ptr<Node>> nodes);
+
 }  // namespace hgros

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -61,6 +62,30 @@ LatchedMessages::Stored LatchedMessages::Store(const AnyMessage& message, const 
   }
   if (kept.empty()) entries_.erase(info.id.publisher);
   return stored;
+}
+
+LatchedMessages::Messages LatchedMessages::ReplaceOwn(const MessageInfo& info, std::vector<AnyMessage> messages,
+                                                      std::uint64_t other) {
+  Messages removed;
+  for (const std::uint64_t publisher : {info.id.publisher, other}) {
+    if (const auto found = entries_.find(publisher); found != entries_.end()) {
+      RemoveAll(found->second.messages, removed);
+      entries_.erase(found);
+    }
+  }
+  for (const AnyMessage& message : messages) (void)Store(message, info, messages.size(), 0);
+  return removed;
+}
+
+LatchedMessages::Messages LatchedMessages::ForgetRemote() {
+  Messages removed;
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    Messages& messages = entry->second.messages;
+    const bool own = !messages.empty() && !messages.front().info.remote;
+    if (!own) RemoveAll(messages, removed);
+    entry = own ? std::next(entry) : entries_.erase(entry);
+  }
+  return removed;
 }
 
 void LatchedMessages::Replace(const std::function<AnyMessage(AnyMessage)>& make) {

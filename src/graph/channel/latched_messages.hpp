@@ -39,6 +39,11 @@ class LatchedMessages {
   [[nodiscard]] Stored Store(const AnyMessage& message, const MessageInfo& info, std::size_t depth, std::size_t bytes);
   // Logs that messages were not kept; not to be called under the channel's lock, because the log is user code.
   static void SayBeyondLimit(Log& log, const std::string& channel);
+  // Keeps these in place of what their publisher and `other` have latched, and returns that. All get this info, and are
+  // not remote.
+  [[nodiscard]] Messages ReplaceOwn(const MessageInfo& info, std::vector<AnyMessage> messages, std::uint64_t other);
+  // Forgets the messages of other sessions, and returns them.
+  [[nodiscard]] Messages ForgetRemote();
   // Replaces each message by the result of `make`.
   void Replace(const std::function<AnyMessage(AnyMessage)>& make);
   // The messages for a new node, in the order of publishing.

@@ -2,11 +2,12 @@
 
 #include "graph/graph_core.hpp"
 #include "hgros/base/thread_cause.hpp"
+#include "hgros/base/thread_local.hpp"
 
 namespace hgros {
 namespace {
 
-thread_local CallbackScope* innermost = nullptr;
+HGROS_THREAD_LOCAL CallbackScope* innermost = nullptr;
 
 }  // namespace
 
@@ -21,7 +22,7 @@ struct CallbackScope::ExitWatch {
 
 CallbackScope::CallbackScope(GraphCore* graph, Node* node, const Cause& cause) noexcept
     : graph_(graph), node_(node), outer_(innermost), cause_(cause), outer_cause_(thread_cause) {
-  thread_local ExitWatch watch;  // Made at the thread's first callback.
+  HGROS_THREAD_LOCAL ExitWatch watch;  // Made at the thread's first callback.
   innermost = this;
   thread_cause = &cause_;
 }

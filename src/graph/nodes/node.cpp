@@ -9,7 +9,7 @@
 #include "hgros/base/forced_unwind.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/graph/handed_over.hpp"
-#include "hgros/graph/running_node.hpp"
+#include "hgros/graph/node_queue.hpp"
 
 namespace hgros {
 
@@ -41,7 +41,7 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
                                  callback() + " threw: " + what + ". The message is skipped; the node continues.");
     };
     try {
-      if (two_forms_.load(std::memory_order_relaxed)) [[unlikely]] {
+      if (two_forms_.load(std::memory_order_relaxed) && message != nullptr) [[unlikely]] {
         CallInForm(message, info);
       } else {
         callback_(message, info);
@@ -55,7 +55,7 @@ void Node::Run(const AnyMessage& message, const MessageInfo& info, NodeStats& st
     }
   }
   now = MonotonicNow();
-  if (!handed_over_.load(std::memory_order_relaxed)) [[likely]]
+  if (message != nullptr && !handed_over_.load(std::memory_order_relaxed)) [[likely]]
     CountEnded(info, start, now, stats, writers);
 }
 
@@ -100,8 +100,8 @@ void Node::SayDropped() noexcept {
     return;
   }
   const NodeSnapshot now = Snapshot();
-  setting_.log->Write(
-      LogLevel::kWarning,
+  setting_.log->WriteLimited(
+      LogLevel::kWarning, "dropped " + now.channel + " " + now.name,
       "Subscription \"" + now.name + "\" on channel \"" + now.channel + "\" has dropped " +
           std::to_string(now.dropped) + " of " + std::to_string(now.received) +
           " messages: they come faster than they are handled, and its queue keeps only the last " +
@@ -142,26 +142,51 @@ HandedOver HandedOver::TakeFromRunningNode() {
   return over;
 }
 
+namespace {
+
 // A node uses its graph, which it may outlive.
+template <class Call>
+void CallIfThere(const std::weak_ptr<GraphCore>& its_graph, const std::weak_ptr<Node>& its_node, const Call& call) {
+  const std::shared_ptr<GraphCore> graph = its_graph.lock();
+  const std::shared_ptr<Node> node = its_node.lock();
+  if (graph && node) call(*node);
+}
+
+}  // namespace
+
 void HandedOver::CountDropped() const noexcept {
-  const std::shared_ptr<GraphCore> graph = graph_.lock();
-  const std::shared_ptr<Node> node = node_.lock();
-  if (graph && node) node->CountDropped();
+  CallIfThere(graph_, node_, [](Node& node) { node.CountDropped(); });
 }
 
 void HandedOver::CountRun(const MessageInfo& info, std::int64_t start_ns, std::int64_t end_ns,
                           bool failed) const noexcept {
-  const std::shared_ptr<GraphCore> graph = graph_.lock();
-  const std::shared_ptr<Node> node = node_.lock();
-  if (graph && node) node->CountRun(info, start_ns, end_ns, failed);
+  CallIfThere(graph_, node_, [&](Node& node) { node.CountRun(info, start_ns, end_ns, failed); });
 }
 
-std::function<void(bool)> SuspenderOfRunningNode() {
-  Node* const node = CallbackScope::Innermost();
-  if (node == nullptr || !node->Suspend(false)) return nullptr;
-  return [weak = node->weak_from_this()](bool suspended) {
-    if (const std::shared_ptr<Node> now = weak.lock()) (void)now->Suspend(suspended);
-  };
+NodeQueue::NodeQueue(const Subscription& subscription) {
+  const std::shared_ptr<Node> node = subscription.Current();
+  there_ = node != nullptr && node->setting().graph != nullptr && node->has_queue();
+  if (!there_) return;
+  graph_ = node->setting().graph->weak_from_this();
+  node_ = node;
+}
+
+void NodeQueue::Suspend(bool suspended) const {
+  CallIfThere(graph_, node_, [=](Node& node) { node.Suspend(suspended); });
+}
+
+void NodeQueue::CallWithoutMessage(const MessageInfo& info) const {
+  CallIfThere(graph_, node_, [&](Node& node) { node.CallWithoutMessage(info); });
+}
+
+bool NodeQueue::idle() const {
+  bool idle = true;
+  CallIfThere(graph_, node_, [&](Node& node) { idle = node.WaitIdle(std::chrono::steady_clock::now()); });
+  return idle;
+}
+
+void NodeQueue::CountDropped() const noexcept {
+  CallIfThere(graph_, node_, [](Node& node) { node.CountDropped(); });
 }
 
 }  // namespace hgros

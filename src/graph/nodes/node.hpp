@@ -8,6 +8,7 @@
 #include <string>
 
 #include "graph/nodes/callback_guard.hpp"
+#include "graph/nodes/node_setting.hpp"
 #include "graph/nodes/node_stats.hpp"
 #include "graph/nodes/queued_message.hpp"
 #include "hgros/base/log.hpp"
@@ -19,21 +20,6 @@
 namespace hgros {
 
 class MessageNumbers;
-
-// The settings of a node. `on_room` is called without locks when a message has left a lossless queue.
-struct NodeSetting {
-  std::string name;
-  std::string channel;
-  Invoke invoke = Invoke::kSerial;
-  Queue queue;
-  Executor executor;
-  GraphCore* graph = nullptr;
-  std::shared_ptr<Log> log;
-  std::function<void()> on_room;
-  const TypeInfo* type = nullptr;  // The type that the callback takes.
-  // Converts a message to that type; null if it fails. Used only on channels with two types.
-  std::function<AnyMessage(const AnyMessage&)> in_form;
-};
 
 // A subscription's callback and its queue; one derived class for each way of running it.
 //
@@ -99,9 +85,10 @@ class Node : public std::enable_shared_from_this<Node> {
   virtual std::size_t RunWaiting(std::size_t /*most*/) noexcept { return 0; }
   [[nodiscard]] virtual int descriptor() const noexcept { return -1; }
 
-  // Lets messages wait in the queue (true), or go on. Callbacks that run, and messages that a running one has taken out
-  // already, are not stopped. False: the node has no queue.
-  virtual bool Suspend(bool /*suspended*/) { return false; }
+  // See NodeQueue. A node without a queue does nothing.
+  [[nodiscard]] virtual bool has_queue() const noexcept { return false; }
+  virtual void Suspend(bool /*suspended*/) {}
+  virtual void CallWithoutMessage(const MessageInfo& /*info*/) {}
 
   // Waits after Close() for the end of the node's own thread, if it has one; does nothing on that thread.
   virtual void JoinThread() {}

@@ -52,10 +52,11 @@ std::size_t PolledNode::RunWaiting(std::size_t most) noexcept {
   std::size_t run = 0;
   std::int64_t now = MonotonicNow();
   std::unique_lock lock(mutex_);
-  for (; run < most && !closed_ && HasMessages(); ++run) {
-    if (QueuedHere() == 1) SetReadable(false);  // Before the lock is released for the callback.
+  for (; run < most && !closed_ && MayRun(); ++run) {
+    if (RunnableHere() == 1) SetReadable(false);  // Before the lock is released for the callback.
     RunSome(lock, 1, now);
   }
+  if (!closed_ && !MayRun()) SetReadable(false);
   return run;
 }
 

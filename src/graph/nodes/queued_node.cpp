@@ -30,7 +30,7 @@ void QueuedNode::Deliver(const Delivery& delivery, bool reserved, std::int64_t&)
     // Single writers under the lock; the atomics are for readers outside it.
     Add(received_, std::uint64_t{1}, Writers::kOne);
     dropped = ring_.Push(delivery);
-    if (dropped) Add(dropped_, std::uint64_t{1}, Writers::kOne);
+    if (dropped) Add(dropped_, std::uint64_t{1}, Writers::kMany);  // See CountDropped().
     wake = !suspended_ && NeedsWake();
   }
   if (wake) Wake();
@@ -82,8 +82,23 @@ bool QueuedNode::CancelReservation(std::size_t bytes) noexcept {
 
 void QueuedNode::Preload(std::vector<QueuedMessage> messages) {
   const std::scoped_lock lock(mutex_);
-  preloaded_ = std::move(messages);
-  Add(received_, std::uint64_t{preloaded_.size()}, Writers::kOne);
+  front_ = std::move(messages);
+  Add(received_, std::uint64_t{front_.size()}, Writers::kOne);
+}
+
+void QueuedNode::CallWithoutMessage(const MessageInfo& info) {
+  bool wake = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (closed_) return;
+    if (2 * next_in_front_ >= front_.size()) {
+      front_.erase(front_.begin(), front_.begin() + static_cast<std::ptrdiff_t>(next_in_front_));
+      next_in_front_ = 0;
+    }
+    front_.push_back({nullptr, info, nullptr});
+    wake = NeedsWake();
+  }
+  if (wake) Wake();
 }
 
 void QueuedNode::WakeForWaiting() {
@@ -92,23 +107,22 @@ void QueuedNode::WakeForWaiting() {
     {
       const std::scoped_lock lock(mutex_);
       if (!MayRun() || closed_ || !NeedsWake()) return;
-      if (i == 0 && setting().invoke == Invoke::kConcurrent) most = QueuedHere();
+      if (i == 0 && setting().invoke == Invoke::kConcurrent) most = RunnableHere();
     }
     Wake();
   }
 }
 
-bool QueuedNode::Suspend(bool suspended) {
+void QueuedNode::Suspend(bool suspended) {
   {
     const std::scoped_lock lock(mutex_);
     suspended_ = suspended;
   }
   if (!suspended) WakeForWaiting();
-  return true;
 }
 
 QueuedMessage QueuedNode::PopNext() {
-  if (next_preloaded_ < preloaded_.size()) return std::move(preloaded_[next_preloaded_++]);
+  if (QueuedInFront() > 0) return std::move(front_[next_in_front_++]);
   return ring_.Pop();
 }
 
@@ -128,14 +142,17 @@ void QueuedNode::RunTaken(QueuedMessage& message, Writers writers, std::int64_t&
   message.message.reset();
 }
 
-void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept {
+void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now,
+                         std::int64_t until_ns) noexcept {
   const bool batches = Batches();
-  for (std::size_t taken = 0; taken < most && !closed_ && !suspended_;) {
-    if (!HasMessages()) {
-      if (taken < kFlood || !MoreCame(lock)) return;
+  for (std::size_t taken = 0; taken < most && now < until_ns && !closed_;) {
+    if (!MayRun()) {
+      if (suspended_ || taken < kFlood || !MoreCame(lock)) return;
       now = MonotonicNow();
     }
-    if (batches && next_preloaded_ == preloaded_.size()) {
+    const std::int64_t begun = now;
+    const std::size_t before = taken;
+    if (batches && !slow_ && QueuedInFront() == 0) {
       std::unique_ptr<MessageRing::Block> block = ring_.PopBlock();
       taken += block->messages().size();
       RunUnlocked(block->messages(), lock, now);
@@ -145,6 +162,8 @@ void QueuedNode::RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, s
       ++taken;
       RunUnlocked({&one, 1}, lock, now);
     }
+    slow_ = (now - begun) * static_cast<std::int64_t>(MessageRing::Block::kSize) >
+            kTurnNs * static_cast<std::int64_t>(taken - before);
     if (closed_ || watchers_ > 0) changed_.notify_all();
     if (closed_ && running_ == 0) DestroyCallbackOnce(true, lock, changed_);
   }
@@ -156,7 +175,7 @@ bool QueuedNode::MoreCame(std::unique_lock<std::mutex>& lock) noexcept {
   lock.unlock();
   for (int i = 0; i < kPauses; ++i) PauseBriefly();
   SpinThenLock(lock);
-  return HasMessages();
+  return MayRun();
 }
 
 void QueuedNode::RunUnlocked(std::span<QueuedMessage> batch, std::unique_lock<std::mutex>& lock,
@@ -178,10 +197,9 @@ void QueuedNode::Close(bool wait) {
   std::unique_lock lock(mutex_);
   closed_ = true;
   while (!ring_.empty()) discarded.push_back(ring_.Pop());
-  discarded.insert(discarded.end(), std::make_move_iterator(preloaded_.begin()),
-                   std::make_move_iterator(preloaded_.end()));
-  preloaded_.clear();
-  next_preloaded_ = 0;
+  discarded.insert(discarded.end(), std::make_move_iterator(front_.begin()), std::make_move_iterator(front_.end()));
+  front_.clear();
+  next_in_front_ = 0;
   changed_.notify_all();
   lock.unlock();
   NotifyRoom();  // Publishers must not wait for a closed node.

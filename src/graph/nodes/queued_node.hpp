@@ -1,6 +1,9 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -25,7 +28,9 @@ class QueuedNode : public Node {
   bool CancelReservation(std::size_t bytes) noexcept override;
   void Preload(std::vector<QueuedMessage> messages) override;
   void Start() override { WakeForWaiting(); }
-  bool Suspend(bool suspended) override;
+  [[nodiscard]] bool has_queue() const noexcept override { return true; }
+  void Suspend(bool suspended) override;
+  void CallWithoutMessage(const MessageInfo& info) override;
   void Close(bool wait) override;
   bool WaitForOthers(int own, std::chrono::steady_clock::time_point deadline) override;
 
@@ -38,14 +43,16 @@ class QueuedNode : public Node {
   // Whether waiting messages are going to run, so that WaitForOthers() may wait for that.
   [[nodiscard]] virtual bool RunsByItself() const noexcept { return true; }
 
-  // Runs `most` waiting messages (or a few more), latched ones first, then the oldest. `lock` is released while
-  // callbacks run. Returns early if no message is left or the node is closed.
-  void RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now) noexcept;
+  // Runs `most` waiting messages (or a few more), those in front first, then the oldest. `lock` is released while
+  // callbacks run. Returns early if no message may run, the node is closed, or a callback has ended after `until_ns`.
+  void RunSome(std::unique_lock<std::mutex>& lock, std::size_t most, std::int64_t& now,
+               std::int64_t until_ns = std::numeric_limits<std::int64_t>::max()) noexcept;
   // Waiting messages; the lock is held.
-  [[nodiscard]] std::size_t QueuedHere() const noexcept { return ring_.size() + preloaded_.size() - next_preloaded_; }
+  [[nodiscard]] std::size_t QueuedHere() const noexcept { return ring_.size() + QueuedInFront(); }
   [[nodiscard]] bool HasMessages() const noexcept { return QueuedHere() > 0; }
-  // Whether a callback may begin; the lock is held.
-  [[nodiscard]] bool MayRun() const noexcept { return HasMessages() && !suspended_; }
+  // How many of them may run; the lock is held.
+  [[nodiscard]] std::size_t RunnableHere() const noexcept { return suspended_ ? QueuedInFront() : QueuedHere(); }
+  [[nodiscard]] bool MayRun() const noexcept { return RunnableHere() > 0; }
 
   alignas(64) mutable std::mutex mutex_;
   std::condition_variable changed_;  // running_ fell, or closed_ was set
@@ -56,6 +63,7 @@ class QueuedNode : public Node {
   static constexpr std::size_t kFlood = 16;  // This many messages in one go count as a flood.
   static constexpr int kPauses = 400;        // A few microseconds.
 
+  [[nodiscard]] std::size_t QueuedInFront() const noexcept { return front_.size() - next_in_front_; }
   // One wake-up for each message that waits: a concurrent node runs one message per wake-up.
   void WakeForWaiting();
   // Reserves room; the lock is held.
@@ -71,10 +79,11 @@ class QueuedNode : public Node {
   void RunTaken(QueuedMessage& message, Writers writers, std::int64_t& now) noexcept;
 
   MessageRing ring_;
-  bool refused_ = false;  // A reservation was refused since one was last canceled.
-  std::vector<QueuedMessage> preloaded_;
-  std::size_t next_preloaded_ = 0;
+  bool refused_ = false;              // A reservation was refused since one was last canceled.
+  std::vector<QueuedMessage> front_;  // Latched messages, and calls without a message.
+  std::size_t next_in_front_ = 0;
   std::size_t batched_ = 0;  // Messages in the running batch, for nodes that batch.
+  bool slow_ = true;  // The last ones took so long that a batch would be longer than a turn; also before the first.
   int watchers_ = 0;
 
   // The running thread's own cache line.

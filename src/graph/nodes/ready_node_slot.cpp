@@ -3,12 +3,14 @@
 #include <utility>
 
 #include "graph/nodes/tbb_executor.hpp"
+#include "hgros/base/thread_local.hpp"
 
 namespace hgros {
 namespace {
 
-thread_local ReadyNodeSlot* open_slot = nullptr;     // Keeps the next node that becomes ready.
-thread_local ReadyNodeSlot* current_slot = nullptr;  // The thread's slot, open or not, until it runs what it kept.
+HGROS_THREAD_LOCAL ReadyNodeSlot* open_slot = nullptr;  // Keeps the next node that becomes ready.
+HGROS_THREAD_LOCAL ReadyNodeSlot* current_slot =
+    nullptr;  // The thread's slot, open or not, until it runs what it kept.
 
 }  // namespace
 

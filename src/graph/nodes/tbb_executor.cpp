@@ -11,7 +11,10 @@
 #include <utility>
 
 #include "graph/exit_on_worker.hpp"
+#include "graph/nodes/node_setting.hpp"
 #include "hgros/base/system_limits.hpp"
+#include "hgros/base/thread_local.hpp"
+#include "hgros/clock/time.hpp"
 #include "hgros/graph/ready_node_slot.hpp"
 
 namespace hgros {
@@ -70,7 +73,7 @@ class TbbExecutor::Chain {
   void Run() noexcept {
     for (std::size_t i = 0; i < ready_.size(); ++i) {
       const std::shared_ptr<Activation> next = std::move(ready_[i]);
-      if (i < kTurn) {
+      if (i < kTurn && MonotonicNow() - begun_ns_ < kTurnNs) {
         next->Activate();
       } else {
         next->HandToWorkers();  // Now nodes made ready by other threads have their turn.
@@ -80,8 +83,9 @@ class TbbExecutor::Chain {
 
  private:
   static constexpr std::size_t kTurn = 32;
-  static inline thread_local Chain* current = nullptr;
+  static inline HGROS_THREAD_LOCAL Chain* current = nullptr;
   const TbbExecutor& executor_;
+  const std::int64_t begun_ns_ = MonotonicNow();
   Chain* const outer_;
   std::vector<std::shared_ptr<Activation>> ready_;
 };

@@ -20,7 +20,7 @@ void TbbNode::Close(bool wait) {
 }
 
 bool TbbNode::NeedsWake() {
-  const std::size_t wanted = setting().invoke == Invoke::kSerial ? 1 : QueuedHere();
+  const std::size_t wanted = setting().invoke == Invoke::kSerial ? 1 : RunnableHere();
   const std::size_t tokens = tokens_.load(std::memory_order_relaxed);
   if (tokens >= wanted) return false;
   tokens_.store(tokens + 1, std::memory_order_relaxed);
@@ -53,7 +53,7 @@ void TbbNode::Activate() noexcept {
     RunSome(lock, 1, now);
     return;
   }
-  RunSome(lock, kTurn, now);
+  RunSome(lock, kTurn, now, now + kTurnNs);
   if (MayRun() && !closed_) {
     lock.unlock();
     HandToWorkers();  // The token goes to the end of the workers' queue.

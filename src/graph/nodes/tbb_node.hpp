@@ -24,7 +24,7 @@ class TbbNode final : public QueuedNode, public Activation {
   void Wake() noexcept override;
 
  private:
-  // Number of messages in a row before other nodes get their turn.
+  // Number of messages in a row before other nodes get their turn, if that does not take kTurnNs.
   static constexpr std::size_t kTurn = 64;
 
   TbbExecutor& executor_;

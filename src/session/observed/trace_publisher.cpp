@@ -14,6 +14,24 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriod{100};
 
+// Both clocks at one moment. If this thread had to wait between the readings, it reads again.
+void SetTimes(Trace& message, const HostClocks& clocks) {
+  constexpr int kMostTries = 5;
+  constexpr std::int64_t kCloseNs = 5'000;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < kMostTries && least > kCloseNs; ++i) {
+    const std::int64_t before = MonotonicNow();
+    const std::int64_t wall = clocks.Now().nanoseconds;
+    const std::int64_t took = MonotonicNow() - before;
+    if (took >= least) continue;
+    least = took;
+    message.set_time_ns(wall);
+    message.set_steady_ns(before + took / 2);
+  }
+}
+
+}  // namespace
+
 void Fill(Trace& message, TraceRecorder::Batch&& batch) {
   for (std::string& name : batch.names) message.add_names(std::move(name));
   for (const TraceRecorder::Publish& event : batch.publishes) {
@@ -39,24 +57,6 @@ void Fill(Trace& message, TraceRecorder::Batch&& batch) {
   }
   message.set_lost(batch.lost);
 }
-
-// Both clocks at one moment. If this thread had to wait between the readings, it reads again.
-void SetTimes(Trace& message, const HostClocks& clocks) {
-  constexpr int kMostTries = 5;
-  constexpr std::int64_t kCloseNs = 5'000;
-  std::int64_t least = std::numeric_limits<std::int64_t>::max();
-  for (int i = 0; i < kMostTries && least > kCloseNs; ++i) {
-    const std::int64_t before = MonotonicNow();
-    const std::int64_t wall = clocks.Now().nanoseconds;
-    const std::int64_t took = MonotonicNow() - before;
-    if (took >= least) continue;
-    least = took;
-    message.set_time_ns(wall);
-    message.set_steady_ns(before + took / 2);
-  }
-}
-
-}  // namespace
 
 TracePublisher::TracePublisher(std::string name, TraceRecorder& recorder, MessageId publisher,
                                const std::shared_ptr<Log>& log, const std::shared_ptr<const HostClocks>& clocks,

@@ -12,6 +12,11 @@
 
 namespace hgros {
 
+class Trace;
+
+// Writes the events into the message, which has none yet.
+void Fill(Trace& message, TraceRecorder::Batch&& batch);
+
 // Publishes what the nodes of this session do while another session subscribes to that. Otherwise nothing is recorded,
 // and it costs only an entry in the session's announcement.
 //

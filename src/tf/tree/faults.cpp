@@ -117,7 +117,7 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
     }
     case SetFault::kTranslation:
       why = "its translation (" + NumberText(T.translation.x()) + ", " + NumberText(T.translation.y()) + ", " +
-            NumberText(T.translation.z()) + ") is not finite.";
+            NumberText(T.translation.z()) + ") is not finite, or above 1e12 m.";
       break;
     case SetFault::kCycle: {
       if (&parent == &child) {

@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros::tf {
 namespace {
 
@@ -10,7 +12,7 @@ constexpr std::size_t kPlacesBits = 6;  // 64 pairs, 24 KiB for each thread that
 using Places = std::array<Memo, std::size_t{1} << kPlacesBits>;
 
 // The pointer is read without a call; the owner only frees the memory.
-constinit thread_local Places* own_places = nullptr;
+constinit HGROS_THREAD_LOCAL Places* own_places = nullptr;
 
 struct Owner {
   std::unique_ptr<Places> places = std::make_unique<Places>();
@@ -24,7 +26,7 @@ struct Owner {
 
 Memo& Memo::PlaceFor(std::uint64_t tree, FrameId target, FrameId source) {
   if (own_places == nullptr) {
-    thread_local Owner owner;
+    HGROS_THREAD_LOCAL Owner owner;
     // A thread that looks up while it ends no longer has its own cache.
     if (own_places == nullptr) owner.places = std::make_unique<Places>(), own_places = owner.places.get();
   }

@@ -1,5 +1,6 @@
 #include "hgros/tf/transform_tree.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -31,7 +32,7 @@ Ends Resolve(const tf::TreeCore& core, std::string_view target, std::string_view
 }
 
 std::string InSeconds(Duration time) {
-  std::string text = std::to_string(std::chrono::duration<double>(time).count());
+  std::string text = std::to_string(std::max(std::chrono::duration<double>(time).count(), 0.0));
   text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();
   return text + " s";
@@ -84,6 +85,10 @@ SetResult TransformTree::SetStatic(std::string_view parent, std::string_view chi
 }
 
 void TransformTree::RestartTime(Time latest) noexcept { core_->RestartTime(latest.nanoseconds); }
+
+bool TransformTree::RestartEdge(std::string_view child, Time possible) noexcept {
+  return core_->RestartEdge(child, possible.nanoseconds);
+}
 
 TransformResult TransformTree::Lookup(FrameId target, FrameId source) const {
   tf::Outcome outcome;

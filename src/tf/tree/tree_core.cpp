@@ -18,6 +18,8 @@ std::uint64_t NextTreeNumber() {
 }
 
 constexpr double kUnitTolerance = 1e-3;
+// In meters, along each axis. Lookups multiply and add translations, which must stay finite.
+constexpr double kFarthest = 1e12;
 // Limits the time for an edge or a lookup, also if a peer sends a long chain.
 constexpr std::size_t kMostEdgesDown = 1000;
 
@@ -46,11 +48,8 @@ std::size_t EdgesDown(const Frame* above, const Frame* below) {
 
 SetFault PoseFault(Pose& pose) {
   if (!MakeUnit(pose)) return SetFault::kRotation;
-  // Infinities and NaNs are not 0 when multiplied by 0.
-  return (pose.px + pose.py + pose.pz) * 0 == 0 && std::isfinite(pose.px) && std::isfinite(pose.py) &&
-                 std::isfinite(pose.pz)
-             ? SetFault::kNone
-             : SetFault::kTranslation;
+  const bool near = std::abs(pose.px) <= kFarthest && std::abs(pose.py) <= kFarthest && std::abs(pose.pz) <= kFarthest;
+  return near ? SetFault::kNone : SetFault::kTranslation;  // A NaN is not near, either.
 }
 
 }  // namespace
@@ -166,6 +165,15 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
     waits_->EdgeHasGrown(child);
   }
   return fault == SetFault::kNone ? SetResult() : Refuse(fault, parent, child, value);
+}
+
+bool TreeCore::RestartEdge(std::string_view child, std::int64_t possible) noexcept {
+  Frame* const edge = frames_.Find(child);
+  if (edge == nullptr || edge->parent.load(std::memory_order_acquire) == nullptr) return false;
+  const std::scoped_lock lock(edge->write);
+  if (edge->is_static || edge->newest <= possible) return false;
+  edge->time = time_.load(std::memory_order_acquire) - 1;
+  return true;
 }
 
 SetFault TreeCore::Connect(Frame& parent, Frame& child, const EdgeValue& value, const Pose& pose) {

@@ -49,6 +49,8 @@ class TreeCore {
     time_.fetch_add(1, std::memory_order_release);
   }
 
+  bool RestartEdge(std::string_view child, std::int64_t possible) noexcept;
+
   void LookupLatest(FrameId target, FrameId source, Outcome& outcome) const;
   void LookupAt(FrameId target, FrameId source, std::int64_t stamp, Outcome& outcome) const;
   void Lookup(const TransformQuery& query, Outcome& outcome) const;

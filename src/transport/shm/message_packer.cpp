@@ -31,9 +31,9 @@ std::shared_ptr<const ShmMessage> MessagePacker::Pack(const PacketHead& head, co
     return message;
   }
   if (!pool_->HasRoomApart(data.bytes.size(), BlockPool::kCopiesReceived)) throw std::bad_alloc();
-  session_.log.WriteLimited(LogLevel::kWarning, "shm apart",
-                            "There is no shared memory for a message of " + std::to_string(data.bytes.size()) +
-                                " bytes on channel \"" + head.channel + "\": " + fault +
+  // Without the size: lines that differ are not alike for the log.
+  session_.log.WriteLimited(LogLevel::kWarning, "shm apart " + head.channel + fault,
+                            "There is no shared memory for a message on channel \"" + head.channel + "\": " + fault +
                                 ". The message goes over a socket, which is slower. Raise the limit of shared memory, "
                                 "or release received messages sooner.");
   if (data.owner) {

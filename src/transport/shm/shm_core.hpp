@@ -58,6 +58,8 @@ class ShmCore {
     return publisher_.pool().HasRoomApart(size_bytes, written ? BlockPool::kCopiesReceived : BlockPool::kCopiesWritten);
   }
   void Receive(const Visit& visit) noexcept { receiver_.Receive(visit); }
+  [[nodiscard]] bool ReceiveHere(const Visit& visit) noexcept { return receiver_.ReceiveHere(visit); }
+  void WakeReceiver() noexcept { receiver_.WakeReceiver(); }
 
   [[nodiscard]] ShmUsage usage() const;
   [[nodiscard]] TransportStats stats() const;

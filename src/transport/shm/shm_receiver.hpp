@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -29,6 +31,8 @@ class ShmReceiver final : public LeaderPool::Input {
   void Stop() noexcept { threads_.Stop(); }
   /// Reads on the calling thread.
   void Receive(const Visit& visit) noexcept { threads_.Receive(visit); }
+  [[nodiscard]] bool ReceiveHere(const Visit& visit) noexcept { return threads_.ReceiveHere(visit); }
+  void WakeReceiver() noexcept { threads_.WakeReceiver(); }
   [[nodiscard]] SessionBell& bell() noexcept { return bell_; }
 
   void Wait() noexcept override;
@@ -37,6 +41,11 @@ class ShmReceiver final : public LeaderPool::Input {
   bool BeginAsking() noexcept override { return bell_.BeginLooking(); }
   bool MayRead() const noexcept override { return bell_.HasRung(); }
   void EndAsking() noexcept override { bell_.EndLooking(); }
+  bool CanWaitFirst() const noexcept override { return bell_.sleeps_at_once(); }
+  bool WaitFirst(const std::function<bool()>& ends, std::chrono::steady_clock::time_point until) noexcept override {
+    return bell_.WaitFirst(ends, until);
+  }
+  void WakeFirst() noexcept override { bell_.WakeFirst(); }
 
  private:
   [[nodiscard]] LeaderPool::Task ReadFrom(const std::shared_ptr<Pair>& pair);

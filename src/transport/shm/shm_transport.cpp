@@ -44,7 +44,7 @@ class SharedMemoryTransport final : public ShmTransport {
   }
   std::vector<PeerInfo> Peers() const override { return core_->Peers(); }
   TransportStats stats() const override { return core_->stats(); }
-  void Close(int linger_ms) noexcept override {
+  void Close(int linger_ms, int /*at_most_ms*/) noexcept override {
     if (!core_->IsChild()) core_->Close(linger_ms);
   }
 
@@ -64,6 +64,10 @@ class SharedMemoryTransport final : public ShmTransport {
   std::optional<Block> Loan(std::size_t size_bytes) override { return core_->Loan(size_bytes); }
   ShmUsage usage() const override { return core_->usage(); }
   void Receive(const Visit& visit) noexcept override { core_->IsChild() ? visit.first() : core_->Receive(visit); }
+  bool ReceiveHere(const Visit& visit) noexcept override { return !core_->IsChild() && core_->ReceiveHere(visit); }
+  void WakeReceiver() noexcept override {
+    if (!core_->IsChild()) core_->WakeReceiver();
+  }
 
  private:
   void RequireParent() const {

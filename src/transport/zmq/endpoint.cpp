@@ -2,12 +2,9 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <linux/sockios.h>
-#include <linux/tcp.h>  // The C library's tcp_info is older.
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sched.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -30,18 +27,7 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr std::string_view kIpc = "ipc://";
-constexpr std::string_view kTcp = "tcp://";
 constexpr std::size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
-
-// None if the kernel does not count bytes (before 4.1), or it is no tcp connection.
-std::optional<tcp_info> TcpInfo(int fd) noexcept {
-  tcp_info info{};
-  socklen_t size = sizeof info;
-  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
-  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return {};
-  return info;
-}
 
 /// Whether a process uses the unix socket, of any kind. '@' stands for the abstract namespace.
 bool IsListening(std::string_view path) {
@@ -58,27 +44,6 @@ bool IsListening(std::string_view path) {
   const bool listens = rc == 0 || errno == EAGAIN || errno == EINPROGRESS || errno == EPROTOTYPE;
   close(fd);
   return listens;
-}
-
-/// Whether the socket is a connection that was accepted at the endpoint.
-bool WasAcceptedAt(int fd, std::string_view bound) {
-  sockaddr_storage name{};
-  socklen_t size = sizeof name;
-  sockaddr_storage other{};
-  socklen_t other_size = sizeof other;
-  if (getpeername(fd, reinterpret_cast<sockaddr*>(&other), &other_size) != 0) return false;
-  if (getsockname(fd, reinterpret_cast<sockaddr*>(&name), &size) != 0) return false;
-  if (name.ss_family == AF_UNIX) {
-    const std::size_t offset = offsetof(sockaddr_un, sun_path);
-    if (size <= offset || !bound.starts_with(kIpc)) return false;
-    std::string path(reinterpret_cast<const sockaddr_un*>(&name)->sun_path, size - offset);
-    if (path.front() == '\0') path.front() = '@';
-    return path.substr(0, path.find('\0')) == bound.substr(kIpc.size());
-  }
-  std::uint16_t port = 0;
-  if (name.ss_family == AF_INET) port = ntohs(reinterpret_cast<const sockaddr_in*>(&name)->sin_port);
-  if (name.ss_family == AF_INET6) port = ntohs(reinterpret_cast<const sockaddr_in6*>(&name)->sin6_port);
-  return port != 0 && bound.starts_with(kTcp) && bound.ends_with(":" + std::to_string(port));
 }
 
 /// Whether there is something that is not a socket. ZeroMQ would remove it.
@@ -151,6 +116,10 @@ std::string FullEndpoint(std::string_view endpoint) {
     throw Error("The endpoint " + full + " cannot be used.", {}, "Write it as tcp://address:port or ipc:///path.");
   }
   return full;
+}
+
+void SetFamily(Socket& socket, const std::string& endpoint) {
+  socket.Set(ZMQ_IPV6, endpoint.starts_with(std::string(kTcp) + '[') ? 1 : 0);
 }
 
 void BindOrThrow(Socket& socket, const std::string& endpoint) {
@@ -230,44 +199,6 @@ bool TurnAwayWaiting(int listening) noexcept {
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   return done;
-}
-
-std::optional<std::uint64_t> BytesReceived(int fd) noexcept {
-  const auto info = TcpInfo(fd);
-  return info ? std::optional(info->tcpi_bytes_received) : std::nullopt;
-}
-
-std::optional<std::uint64_t> BytesAcknowledged(int fd) noexcept {
-  const auto info = TcpInfo(fd);
-  return info ? std::optional(info->tcpi_bytes_acked) : std::nullopt;
-}
-
-std::optional<std::uint64_t> BytesRead(int fd) noexcept {
-  // In this order: what comes between the two calls makes the result smaller.
-  const auto received = BytesReceived(fd);
-  int waiting = 0;
-  if (!received || ioctl(fd, SIOCINQ, &waiting) != 0) return {};
-  const auto left = static_cast<std::uint64_t>(waiting);
-  return *received > left ? *received - left : 0;
-}
-
-void HangUp(Message& frame, std::string_view bound) noexcept { HangUp(zmq_msg_get(frame.raw(), ZMQ_SRCFD), bound); }
-
-void HangUp(int named, std::string_view bound) noexcept {
-  if (named < 0) return;
-  // ZeroMQ's thread may have closed the descriptor, and another file may have its number by now. So we check and shut
-  // down a reference of our own. In the worst case this is another connection to the endpoint, which will be made
-  // again.
-  const int own = fcntl(named, F_DUPFD_CLOEXEC, 0);
-  const int fd = own >= 0 ? own : named;  // There may be no descriptor left.
-  if (WasAcceptedAt(fd, bound)) {
-    shutdown(fd, SHUT_RDWR);
-    // ZeroMQ would still read and keep what has arrived. Without a reference of our own that might be another's.
-    std::array<char, 16384> unread;
-    while (own >= 0 && recv(own, unread.data(), unread.size(), MSG_DONTWAIT) > 0) {
-    }
-  }
-  if (own >= 0) close(own);
 }
 
 }  // namespace hgros::zmq

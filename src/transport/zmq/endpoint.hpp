@@ -9,9 +9,15 @@
 
 namespace hgros::zmq {
 
+inline constexpr std::string_view kIpc = "ipc://";
+inline constexpr std::string_view kTcp = "tcp://";
+
 /// `endpoint` with its scheme: "*:5556" means "tcp://*:5556". Throws Error for a scheme other than tcp and ipc and for
 /// an ipc path longer than the 107 bytes a unix socket's name may have.
 [[nodiscard]] std::string FullEndpoint(std::string_view endpoint);
+
+/// Lets the socket use IPv6 if the endpoint has such an address. For names and "*" it uses IPv4.
+void SetFamily(Socket& socket, const std::string& endpoint);
 
 /// Binds. If that fails it throws Error, which names the endpoint and what to do. ZeroMQ itself would silently take an
 /// ipc path away from a process that listens there. Here this is refused: only the path of a dead process is taken.
@@ -37,20 +43,5 @@ void ShowPath(const std::string& bound);
 /// Accepts and closes all connections that wait at a listening socket, even if this process can open no more files.
 /// Their programs connect again later. False if that is impossible.
 [[nodiscard]] bool TurnAwayWaiting(int listening) noexcept;
-
-/// How many bytes have come over a tcp connection; none if the system does not say.
-[[nodiscard]] std::optional<std::uint64_t> BytesReceived(int fd) noexcept;
-
-/// The bytes that the other side of a tcp connection has acknowledged; none if that is not known.
-[[nodiscard]] std::optional<std::uint64_t> BytesAcknowledged(int fd) noexcept;
-
-/// The bytes that ZeroMQ has read from a tcp connection; none if that is not known.
-[[nodiscard]] std::optional<std::uint64_t> BytesRead(int fd) noexcept;
-
-/// Closes the connection that `frame` came over, if it is still a connection to the endpoint `bound`. The other side
-/// sees it end and may connect again.
-void HangUp(Message& frame, std::string_view bound) noexcept;
-/// The same for the connection with this descriptor of ZeroMQ.
-void HangUp(int named, std::string_view bound) noexcept;
 
 }  // namespace hgros::zmq

@@ -24,12 +24,11 @@ SharedState::SharedState(ZmqOptions given, TransportListener& told, Log& voice)
       session_keys_(peers, options.session,
                     options.security ? KeyText(options.security->own.public_key, "own public") : "") {}
 
-SharedState::~SharedState() {
-  context.Terminate();
-  if (lingering.messages == 0 || std::chrono::steady_clock::now() < lingering.until) return;
-  log.Write(LogLevel::kWarning, "The session has ended before its connections had sent everything: up to " +
-                                    std::to_string(lingering.messages) + " messages of lossless channels, such as \"" +
-                                    lingering.channel +
+void SharedState::SayUnconfirmed() const {
+  if (unconfirmed.messages == 0) return;
+  log.Write(LogLevel::kWarning, "The session has ended before its subscribers had received everything: up to " +
+                                    std::to_string(unconfirmed.messages) +
+                                    " messages of lossless channels, such as \"" + unconfirmed.channel +
                                     "\", may be lost. Keep the session until its subscribers have taken them.");
 }
 

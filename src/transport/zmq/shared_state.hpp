@@ -33,8 +33,6 @@ struct SharedState {
   SharedState(ZmqOptions given, TransportListener& told, Log& voice);
   SharedState(const SharedState&) = delete;
   SharedState& operator=(const SharedState&) = delete;
-  /// All sockets are closed. Waits for what they still send, and says so if that took longer than they linger.
-  ~SharedState();
 
   /// Whether what came over a connection with this key may be in the name of that session; counts and logs it if not.
   /// Always true without keys. On the leading thread.
@@ -47,6 +45,8 @@ struct SharedState {
   [[nodiscard]] Time Wall() const { return options.wall ? options.wall() : WallNow(); }
   /// What proves to this publisher that a Hello is from this session.
   [[nodiscard]] std::uint64_t ProofFor(SessionId publisher) const { return SessionProof(proof_key_, publisher); }
+  /// Logs `unconfirmed`, if there are any.
+  void SayUnconfirmed() const;
   /// Passes these calls to the leading thread, which makes them.
   void PostActions(Actions&& actions);
   [[nodiscard]] Actions CollectPosted();
@@ -71,13 +71,12 @@ struct SharedState {
   std::atomic<bool> closing{false};
   InputFlags input_flags;
   Context context;
-  /// At the end of the transport.
-  struct Lingering {
-    SteadyTime until{};
-    std::uint64_t messages = 0;  ///< Sent on lossless channels, and not confirmed.
-    std::string channel{};       ///< One of those.
+  /// At the end of the transport: messages that lossless subscribers may not have received.
+  struct Unconfirmed {
+    std::uint64_t messages = 0;
+    std::string channel{};  ///< One of theirs.
   };
-  Lingering lingering;
+  Unconfirmed unconfirmed;
 
  private:
   void CountFaultLike(std::string_view alike, PacketFault fault, std::string_view where, std::string_view what);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "hgros/base/memory_room.hpp"
-#include "transport/zmq/endpoint.hpp"
+#include "transport/zmq/connection.hpp"
 
 namespace hgros::zmq {
 namespace {
@@ -20,8 +20,6 @@ void UnreadBytes::Watch(int connection) {
   if (!acked) return;
   connection_ = connection;
   acked_ = *acked;
-  const auto free = FreeMemory();
-  if (free) most_ = std::clamp<std::size_t>(*free / kPartOfFreeMemory, kLeast, kMost);
 }
 
 bool UnreadBytes::Add(std::size_t bytes) {
@@ -37,7 +35,12 @@ bool UnreadBytes::Add(std::size_t bytes) {
     acked_ = *acked;
     return false;
   }
-  if (sent_ - read <= most_) return false;
+  if (sent_ - read <= (most_ == 0 ? kLeast : most_)) return false;
+  if (most_ == 0) {  // Found only now: that takes system calls, and most connections never come here.
+    const auto free = FreeMemory();
+    most_ = free ? std::clamp<std::size_t>(*free / kPartOfFreeMemory, kLeast, kMost) : kMost;
+    if (sent_ - read <= most_) return false;
+  }
   connection_ = -1;
   return true;
 }

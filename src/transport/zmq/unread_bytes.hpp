@@ -24,7 +24,7 @@ class UnreadBytes {
 
  private:
   int connection_ = -1;
-  std::size_t most_ = kMost;
+  std::size_t most_ = 0;       // 0: not known yet.
   std::uint64_t sent_ = 0;     // Since `acked_`.
   std::uint64_t checked_ = 0;  // `sent_` at the last check.
   std::uint64_t acked_ = 0;    // When nothing may have waited.

@@ -63,40 +63,38 @@ ZmqCore::ZmqCore(ZmqOptions options, TransportListener& listener, Log& log)
   for (const auto& endpoint : shared_.options.subscribe) AddSubscriber(endpoint);
 }
 
-ZmqCore::~ZmqCore() { Close(0); }
+ZmqCore::~ZmqCore() { Close(0, 0); }
 
 void ZmqCore::Start() { pool_.Start(); }
 
 void ZmqCore::Wake() noexcept { shared_.waker->Wake(); }
 
-void ZmqCore::Close(int linger_ms) noexcept {
+void ZmqCore::Close(int linger_ms, int at_most_ms) noexcept {
   if (shared_.closing.exchange(true)) return;
   const auto began = std::chrono::steady_clock::now();
-  WaitUntilSent(began + std::chrono::milliseconds(linger_ms));
+  if (linger_ms > 0) {
+    arrival_.Await(std::chrono::milliseconds(linger_ms), std::chrono::milliseconds(at_most_ms),
+                   [this] { return LookAtArriving(); });
+  }
   // The goodbye is for those that still read, too, if others have used up the time.
   const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - began);
   linger_ms = std::max(linger_ms - static_cast<int>(waited.count()), std::min(linger_ms, kGoodbyeMs));
   pool_.Stop();
   Actions unheard;  // Destroyed after the lock, because messages may be destroyed with it.
-  const std::unique_lock lock(mutex_);
+  std::unique_lock lock(mutex_);
   closed_ = true;
-  shared_.lingering.until = std::chrono::steady_clock::now() + std::chrono::milliseconds(linger_ms);
   for (const auto& endpoint : subscribers_) endpoint->Close(linger_ms, false, unheard);
   for (const auto& endpoint : publishers_) endpoint->Close(linger_ms, unheard);
   if (desk_) desk_->Close();
+  lock.unlock();
+  shared_.SayUnconfirmed();
 }
 
-void ZmqCore::WaitUntilSent(SteadyTime deadline) {
-  const auto all_sent = [this] {
-    const std::shared_lock lock(mutex_);
-    return std::ranges::all_of(publishers_, [](const auto& endpoint) { return endpoint->AllSent(); });
-  };
-  std::unique_lock lock(sent_mutex_);
-  while (!all_sent()) {
-    // The leading thread counts its rounds: a ring becomes empty in one of them.
-    const auto seen = rounds_;
-    if (!sent_.wait_until(lock, deadline, [&] { return rounds_ != seen; })) return;
-  }
+Arriving ZmqCore::LookAtArriving() {
+  Arriving arriving;
+  const std::shared_lock lock(mutex_);
+  for (const auto& endpoint : publishers_) endpoint->LookAtArriving(arriving);
+  return arriving;
 }
 
 void ZmqCore::AddPublisher(const PublishEndpoint& endpoint) {
@@ -123,8 +121,9 @@ void ZmqCore::AddSubscriber(const SubscribeEndpoint& endpoint) {
     throw Error("This session subscribes at " + endpoint.endpoint + " already.", {},
                 "Name it once, with all channels.");
   }
-  auto added = std::make_shared<SubscriberEndpoint>(shared_, poller_, endpoint,
-                                                    [this](const InboundCore* core) { AskAgain(core); });
+  auto added = std::make_shared<SubscriberEndpoint>(
+      shared_, poller_, endpoint, [this](const InboundCore* core) { AskAgain(core); },
+      [this](SessionId session) { OnReplaced(session); });
   for (const auto& [name, core] : inbound_) added->Subscribe(core);
   poller_.Add(added->fd(), added->input());
   poller_.Add(added->monitor_fd(), added->monitor_input());
@@ -230,6 +229,15 @@ void ZmqCore::ChangeDemand(const std::shared_ptr<InboundCore>& core) {
 void ZmqCore::AskAgain(const InboundCore* core) {
   const std::shared_lock lock(mutex_);
   for (const auto& endpoint : subscribers_) endpoint->AskAgain(core);
+}
+
+void ZmqCore::OnReplaced(SessionId session) {
+  Actions actions;
+  {
+    const std::shared_lock lock(mutex_);
+    for (const auto& endpoint : publishers_) endpoint->OnReplaced(session, actions);
+  }
+  shared_.PostActions(std::move(actions));
 }
 
 OrderWay ZmqCore::SendOrder(SessionId publisher, std::string_view request) {
@@ -340,11 +348,7 @@ LeaderPool::Task ZmqCore::Lead() noexcept {
       std::erase_if(watch_.removed, [](const auto& endpoint) { return !endpoint->pending(); });
     }
     if (shared_.closing.load()) {
-      {
-        const std::scoped_lock lock(sent_mutex_);
-        ++rounds_;
-        sent_.notify_all();
-      }
+      arrival_.NoteRound();
       // The pool may be waiting for its threads to end.
       if (busy) Wake();
       busy = false;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "transport/leader_pool.hpp"
 #include "transport/outbound_core.hpp"
 #include "transport/poller.hpp"
+#include "transport/zmq/arrival_wait.hpp"
 #include "transport/zmq/curve.hpp"
 #include "transport/zmq/publish/publisher_endpoint.hpp"
 #include "transport/zmq/shared_state.hpp"
@@ -32,7 +32,8 @@ class ZmqCore : public LeaderPool::Input {
   ~ZmqCore() override;
 
   void Start();
-  void Close(int linger_ms) noexcept;
+  /// See Transport::Close().
+  void Close(int linger_ms, int at_most_ms) noexcept;
 
   void AddPublisher(const PublishEndpoint& endpoint);
   void AddSubscriber(const SubscribeEndpoint& endpoint);
@@ -79,12 +80,14 @@ class ZmqCore : public LeaderPool::Input {
     std::vector<std::shared_ptr<SubscriberEndpoint>> removed;  // They still hold messages that they received.
   };
   void TakeOrder(InboundMessage&& order);
+  /// Another session publishes where this one did.
+  void OnReplaced(SessionId session);
   void UpdateWatch();
   void Tick(SteadyTime now);
   void Look(SteadyTime now);
   void SetDeadline();
   [[nodiscard]] bool Pending() const;
-  void WaitUntilSent(SteadyTime deadline);
+  [[nodiscard]] Arriving LookAtArriving();
 
   SharedState shared_;
   Poller poller_;
@@ -108,10 +111,7 @@ class ZmqCore : public LeaderPool::Input {
   SteadyTime next_look_ = SteadyTime::max();
   // The latest time at which waiting ends. The leading thread sets it, the waiting ones read it.
   std::atomic<SteadyTime> deadline_;
-  // Close() waits here until all rings are empty.
-  std::mutex sent_mutex_;
-  std::condition_variable sent_;
-  std::uint64_t rounds_ = 0;
+  ArrivalWait arrival_;
   LeaderPool pool_{*this};
 };
 

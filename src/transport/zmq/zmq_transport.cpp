@@ -24,7 +24,8 @@ class OwningZmqTransport final : public ZmqTransport {
     if (core_->IsChild()) {
       LeaveToParent(std::move(core_));
     } else {
-      core_->Close(static_cast<int>(core_->shared().options.linger.count()));
+      const auto& options = core_->shared().options;
+      core_->Close(static_cast<int>(options.linger.count()), static_cast<int>(options.peer_timeout.count()));
     }
   }
 
@@ -50,8 +51,8 @@ class OwningZmqTransport final : public ZmqTransport {
     return stats;
   }
   void Leave() noexcept override { core_->shared().leaving = true; }
-  void Close(int linger_ms) noexcept override {
-    if (!core_->IsChild()) core_->Close(linger_ms);
+  void Close(int linger_ms, int at_most_ms) noexcept override {
+    if (!core_->IsChild()) core_->Close(linger_ms, at_most_ms);
   }
 
   void SetPublishChannels(const std::string& endpoint, ChannelList channels) override {

@@ -98,7 +98,7 @@ class OneChannel final : public Transport {
   }
   std::vector<PeerInfo> Peers() const override { return {}; }
   TransportStats stats() const override { return {}; }
-  void Close(int /*linger_ms*/) noexcept override {}
+  void Close(int /*linger_ms*/, int /*at_most_ms*/) noexcept override {}
 
   OutboundSource* source = nullptr;
   InboundSink* sink = nullptr;

@@ -57,7 +57,7 @@ class SlowTransport final : public Transport {
   }
   [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
   [[nodiscard]] TransportStats stats() const override { return {}; }
-  void Close(int) noexcept override {}
+  void Close(int, int) noexcept override {}
 
  private:
   Barrier& barrier_;
@@ -139,7 +139,7 @@ class SetTransport final : public Transport {
   }
   [[nodiscard]] std::vector<PeerInfo> Peers() const override { return {}; }
   [[nodiscard]] TransportStats stats() const override { return {}; }
-  void Close(int) noexcept override {}
+  void Close(int, int) noexcept override {}
 
   void Comes(SessionId subscriber) {
     subscribers.push_back(subscriber);

@@ -185,6 +185,9 @@ TEST_F(PlacesOfAHost, RootSaysOnceThatASessionOfAnotherUserHasStartedLater) {
   EXPECT_TRUE(test::Await([&] { return log.Count(said) > 0; })) << log.text();
   test::Linger(std::chrono::milliseconds(2500));  // It looks again.
   EXPECT_EQ(log.Count(said), 1U) << log.text();
+  KeptLog late;
+  const auto second = OpenRegistry({.domain = domain}, listener, late.log);
+  EXPECT_EQ(late.Count(said), 1U) << "at once: commands end soon; " << late.text();
   registry.reset();
   living.reset();
   fs::remove_all(place);

@@ -154,6 +154,31 @@ TEST(Executor, TwoBusyNodesDoNotStarveAThirdOnOneWorker) {
   ends = true;
 }
 
+TEST(Executor, ASlowNodeWithManyMessagesTakesTurnsWithTheOthersOfOneWorker) {
+  for (const bool lossless : {false, true}) {
+    DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+    std::atomic<int> slow{0};
+    std::atomic<int> meanwhile{-1};
+    NodeOptions options = Options(Executor::Tbb());
+    options.queue = lossless ? Queue::KeepAll(100) : Queue::KeepLast(100);
+    const auto first = graph.FromGraph<int>(
+        "slow", Invoke::kSerial,
+        [&](const int&) {
+          test::Linger(std::chrono::milliseconds(3));
+          ++slow;
+        },
+        options);
+    const auto other = graph.FromGraph<int>(
+        "other", Invoke::kSerial, [&](const int& before) { meanwhile = slow - before; }, Options(Executor::Tbb()));
+    for (int i = 0; i < 60; ++i) (void)graph.ToGraph("slow", std::make_unique<int>(i));
+    (void)graph.ToGraph("other", std::make_unique<int>(slow.load()));
+    EXPECT_TRUE(Await([&] { return meanwhile >= 0; }));
+    EXPECT_LT(meanwhile, 20) << "of 60";
+    EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+    EXPECT_EQ(slow, 60);
+  }
+}
+
 TEST(TbbExecutor, EveryGraphHasItsOwnWorkers) {
   DataGraph one({.threads = 1, .overrides = {}, .publisher = {}});
   DataGraph other({.threads = 2, .overrides = {}, .publisher = {}});

@@ -284,11 +284,12 @@ TEST(TransformTree, RefusesTransformsThatAreNotRigid) {
   EXPECT_EQ(tree.Set("map", "base", At(1), T).fault(), SetFault::kRotation);
   T.rotation.coeffs().setZero();
   EXPECT_EQ(tree.Set("map", "base", At(1), T).fault(), SetFault::kRotation);
-  for (const double bad : {nan, infinity, -infinity}) {
+  for (const double bad : {nan, infinity, -infinity, 1e308, -1.1e12}) {
     set = tree.Set("map", "base", At(1), Shift(0, bad));
     EXPECT_EQ(set.fault(), SetFault::kTranslation);
     EXPECT_THAT(set.text(), HasSubstr("\"map\" to \"base\""));
   }
+  EXPECT_THAT(set.text(), HasSubstr("its translation (0, -1.1e+12, 0) is not finite, or above 1e12 m."));
   EXPECT_TRUE(tree.Edges().empty());
 }
 
@@ -404,6 +405,24 @@ TEST(TransformTree, TransformsFromBeforeTheJumpDoNotRestartAnEdge) {
   EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(0));
   ASSERT_TRUE(tree.Set("map", "arm", At(60), Shift(4))) << "the edge was not set for long";
   EXPECT_EQ(tree.Lookup("map", "arm")->stamp, At(60));
+}
+
+TEST(TransformTree, AnEdgeBeginsAgainIfItHasStampsThatCannotBe) {
+  TransformTree tree;
+  ASSERT_TRUE(tree.SetStatic("base", "laser", Shift(1)));
+  ASSERT_TRUE(tree.Set("map", "base", At(100), Shift(1)));
+  EXPECT_FALSE(tree.RestartEdge("base", At(100)));
+  EXPECT_FALSE(tree.RestartEdge("laser", At(0))) << "it does not move";
+  EXPECT_FALSE(tree.RestartEdge("map", At(0)));
+  EXPECT_FALSE(tree.RestartEdge("unknown", At(0)));
+  EXPECT_EQ(tree.Set("map", "base", At(1), Shift(2)).fault(), SetFault::kTooOld);
+  EXPECT_TRUE(tree.RestartEdge("base", At(99)));
+  EXPECT_EQ(tree.Lookup("map", "base")->stamp, At(100)) << "until a transform is set";
+  ASSERT_TRUE(tree.Set("map", "base", At(1), Shift(2)));
+  EXPECT_EQ(tree.Lookup("map", "laser")->stamp, At(1));
+  EXPECT_EQ(tree.Edges().at(0).transforms, 1U);
+  ASSERT_TRUE(tree.Set("map", "base", At(20), Shift(3)));
+  EXPECT_EQ(tree.Set("map", "base", At(1), Shift(2)).fault(), SetFault::kTooOld);
 }
 
 TEST(TransformTree, RefusedTransformsLeaveNoFrames) {

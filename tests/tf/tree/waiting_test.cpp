@@ -37,6 +37,10 @@ TEST_F(Waiting, EndsAtItsDeadlineAndReportsWhatIsMissing) {
   EXPECT_EQ(result.failure().newest, Time{100});
 }
 
+TEST_F(Waiting, TakesANegativeTimeoutAsZero) {
+  EXPECT_THAT(tree.Wait(Base(200), Duration::min()).text(), HasSubstr("Nothing has come within 0 s. There is no"));
+}
+
 TEST_F(Waiting, WakesWhenTheTransformComes) {
   std::jthread setter([this] {
     for (std::int64_t stamp = 110; stamp <= 200; stamp += 10) tree.Set("map", "base", Time{stamp}, Shift(2));

@@ -47,6 +47,10 @@ class ChannelInlet final : public InboundSink {
 
   // Subscribes with the current type of the channel, or with any type if it has none yet.
   void Join(NetworkBridge& bridge, const Demand& demand);
+  // Nobody subscribes here any more: what comes until Detach() is dropped. It must not reach a subscription that is
+  // made meanwhile, which misses what is published before the next Join(). Returns what waits, for the caller to
+  // destroy.
+  [[nodiscard]] Fifo<InboundMessage> Leave();
   void Detach();
   void SetDemand(const Demand& demand);
   // The channel has got a type since Join() subscribed with any.
@@ -94,6 +98,7 @@ class ChannelInlet final : public InboundSink {
   // True if the message is small and is decoded without user code.
   [[nodiscard]] bool IsQuick(const InboundMessage& message) const noexcept;
   enum class Taken { kMessage, kNone, kNotQuick };
+  [[nodiscard]] bool HasWaiting() { return (std::scoped_lock(waiting_mutex_), !waiting_.empty()); }
   // Takes the next message. If there is none, no thread delivers any more.
   Taken TakeNext(InboundMessage& message, UserCode user_code, Turn& turn);
   // Counts and decodes the message. Empty if it must not be delivered.
@@ -139,7 +144,8 @@ class ChannelInlet final : public InboundSink {
   std::uint64_t taken_ = 0;  // Number of messages that were taken from waiting_.
   Runner runner_ = Runner::kNobody;
   std::optional<Decoded> handed_over_;  // Delivered before waiting_.
-  // The number of calls of Detach(). A message that an errand took before one of them is not for the next subscription,
+  bool leaves_ = false;                 // Between Leave() and Detach().
+  // The number of calls of Leave() and Detach(). A message that an errand took before is not for the next subscription,
   // which would miss those between that message and its own first one. Changed under waiting_mutex_.
   std::atomic<std::uint64_t> detached_{0};
 

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -14,6 +13,7 @@
 
 #include "hgros/base/log.hpp"
 #include "hgros/bridge/channel_traffic.hpp"
+#include "hgros/bridge/outlet_latch.hpp"
 #include "hgros/clock/host_clocks.hpp"
 #include "hgros/graph/session_outlet.hpp"
 #include "hgros/transport/transport.hpp"
@@ -28,9 +28,9 @@ class NetworkBridge;
 // Thread safety: all functions from any thread.
 // Invariants: order_mutex_ guards the transport, which so gets the messages in the order of their sequence numbers.
 // Messages that the transport releases meanwhile are destroyed after the lock. The transport may request the latched
-// messages while it holds locks that its Commit() takes, too. So Latched() takes only latch_mutex_, and the transport
-// is never called under that. The request comes on a thread of the transport, where no user code may run. So from
-// Join() on, messages with a user's codec are encoded when they are latched.
+// messages while it holds locks that its Commit() takes, too. So Latched() takes only the latch's mutex, and the
+// transport is never called under that. The request comes on a thread of the transport, where no user code may run. So
+// from Join() on, messages with a user's codec are encoded when they are latched.
 class ChannelOutlet final : public SessionOutlet, public OutboundSource {
  public:
   ChannelOutlet(std::string channel, const TypeInfo& type, MessageId publisher, std::shared_ptr<Log> log,
@@ -48,6 +48,10 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   void Latch(std::size_t count) {
     if (count > latched_.load(std::memory_order_relaxed)) latched_.store(count, std::memory_order_relaxed);
   }
+  // For a component that moves: a message that it has published in another place. Subscribers that come later get it;
+  // the others have got it from there. False: the channel is not latched here.
+  bool KeepLatched(AnyMessage message, Payload data, std::int64_t publish_time_ns);
+  void ForgetLatched();
   // From Join() on, subscribers that ask for lossless delivery are keep-last.
   void PromiseNothing() noexcept { may_promise_ = false; }
   // Memory in which a message can be published without a copy, if a transport with subscribers has some.
@@ -76,14 +80,6 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   void AddTo(ChannelTraffic& traffic) const;
 
  private:
-  struct Kept {
-    AnyMessage message;
-    const TypeInfo* type;
-    PacketHead head;              // Without a number: it stays inside.
-    std::uint64_t own_number;     // In this process; 0: none.
-    std::optional<Payload> data;  // Set if encoded already; without an owner: it cannot be encoded.
-  };
-
   // True for a user's codec, which must not run on the thread on which a transport requests latched messages.
   [[nodiscard]] bool WritesWhenLatched(const TypeInfo& type) const noexcept {
     return type.users_codec && joined_.load(std::memory_order_relaxed);
@@ -112,7 +108,7 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   // Under both mutexes.
   void AddPast(const JoinedOutbound& left);
   void CancelPromise() noexcept;
-  void Keep(Kept&& message, std::size_t depth, std::vector<Kept>& dropped);
+  [[nodiscard]] PacketHead NewHead(std::size_t depth, std::int64_t publish_time_ns) const;
 
   const std::string channel_;
   // The type of the first user. A message may be raw, or of another C++ type with the same wire form.
@@ -140,14 +136,14 @@ class ChannelOutlet final : public SessionOutlet, public OutboundSource {
   std::shared_ptr<JoinedOutbound> transports_;
   OutboundStats past_;  // Of transports that it has left.
   std::uint64_t sequence_ = 0;
-  bool stays_ = false;          // Under order_mutex_, as the next.
-  std::uint64_t promised_ = 0;  // Number of messages between Reserve() and Commit() or Cancel().
+  std::uint64_t taken_over_ = 0;  // Number of messages of KeepLatched().
+  bool stays_ = false;            // Under order_mutex_, as the next.
+  std::uint64_t promised_ = 0;    // Number of messages between Reserve() and Commit() or Cancel().
   // Each message writes the members above, too, so that these cost no further cache line.
   std::atomic<std::uint64_t> encoded_{0};
   std::atomic<std::uint64_t> encoded_bytes_{0};
 
-  std::mutex latch_mutex_;
-  std::deque<Kept> kept_;
+  OutletLatch latch_;
 };
 
 }  // namespace hgros

@@ -86,11 +86,13 @@ class NetworkBridge {
 
   /// See Transport::Receive().
   void Receive(const Visit& visit) noexcept;
+  [[nodiscard]] bool ReceiveHere(const Visit& visit) noexcept;
+  void WakeReceiver() noexcept;
   [[nodiscard]] TransportStats stats() const;
   /// See Transport::Leave().
   void Leave() noexcept;
-  /// Sends a goodbye to all peers, and the published messages as far as `linger_ms` allows.
-  void Close(int linger_ms) noexcept;
+  /// Sends a goodbye to all peers, and the published messages as far as Transport::Close() allows.
+  void Close(int linger_ms, int at_most_ms = 0) noexcept;
 
  private:
   const std::unique_ptr<BridgeCore> core_;

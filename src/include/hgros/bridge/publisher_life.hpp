@@ -29,6 +29,8 @@ class PublisherLife {
   void NoteEnd(OfferEnd why, std::uint64_t accepted);
   // The session does not subscribe for a while.
   void NoteAway() noexcept { away_ = true; }
+  // The same, and nothing is kept of what has come: latched messages are new when they come again.
+  void StartOver() noexcept { incarnation_ = last_sequence_ = 0; }
 
   [[nodiscard]] std::int64_t last_heard_ns() const noexcept { return last_heard_ns_; }
   [[nodiscard]] const PublisherTraffic& traffic() const noexcept { return traffic_; }

@@ -3,6 +3,8 @@
 #include <memory>
 #include <utility>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros {
 
 /// The credit of the remote message that this thread delivers, for callbacks of inline nodes that queue the message
@@ -22,7 +24,7 @@ class DeliveredCredit {
   }
 
  private:
-  static inline thread_local const std::shared_ptr<const void>* innermost = nullptr;
+  static inline HGROS_THREAD_LOCAL const std::shared_ptr<const void>* innermost = nullptr;
   const std::shared_ptr<const void>* const outer_;
 };
 

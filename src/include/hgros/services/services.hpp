@@ -28,7 +28,7 @@ namespace hgros {
 class CallState;
 class CallTable;
 class WaitingCallers;
-class ServiceClient;
+class ServiceCaller;
 
 /// A service to offer.
 struct ServiceSetting {
@@ -61,6 +61,7 @@ class Services : public std::enable_shared_from_this<Services> {
     const TypeInfo& body_type;
     AnyMessage body;
     std::chrono::nanoseconds timeout;
+    bool answers_inline = false;  // The callback runs on the thread that ends the call. It does not wait.
   };
   std::shared_ptr<PendingCall> Call(std::string_view name, Request request, AnyAnswer callback);
 
@@ -97,10 +98,10 @@ class Services : public std::enable_shared_from_this<Services> {
 
  private:
   // Throws Error.
-  [[nodiscard]] std::shared_ptr<ServiceClient> ClientOf(std::string_view name, const Request& request);
+  [[nodiscard]] std::shared_ptr<ServiceCaller> ClientOf(std::string_view name, const Request& request);
   void Dispatch(const std::shared_ptr<CallState>& call, const Request& request);
   void OpenAnswers();
-  [[nodiscard]] std::vector<std::shared_ptr<ServiceClient>> Clients() const;
+  [[nodiscard]] std::vector<std::shared_ptr<ServiceCaller>> Clients() const;
   [[nodiscard]] std::vector<std::shared_ptr<ServiceHost>> Hosts() const;
   void LookForSecondServers();
   // Under thread_mutex_. False if there is no thread, because the services end or none can be made.
@@ -118,7 +119,7 @@ class Services : public std::enable_shared_from_this<Services> {
   mutable std::shared_mutex mutex_;  // Guards the next five members.
   bool refusing_ = false;
   std::map<std::string, std::shared_ptr<ServiceHost>, std::less<>> hosts_;
-  std::map<std::string, std::shared_ptr<ServiceClient>, std::less<>> clients_;
+  std::map<std::string, std::shared_ptr<ServiceCaller>, std::less<>> clients_;
   struct SecondServer {
     SessionId session{};
     std::chrono::steady_clock::time_point since{};

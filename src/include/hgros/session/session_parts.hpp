@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hgros/base/export.hpp"
+#include "hgros/codec/run_time_type.hpp"
 #include "hgros/session/session.hpp"
 
 namespace hgros {
@@ -44,21 +45,25 @@ class SessionParts {
   // Not in a callback.
   [[nodiscard]] bool AwaitReceived(std::span<const std::string> channels,
                                    std::chrono::steady_clock::time_point deadline);
+  // What the session has latched on the channel, encoded, oldest first. It moves along: the other place keeps it for
+  // those who subscribe later, and this one forgets it.
+  struct LatchedMessage {
+    Payload data;
+    std::int64_t publish_time_ns = 0;
+  };
+  [[nodiscard]] std::vector<LatchedMessage> LatchedOn(std::string_view channel) const;
+  void KeepLatched(std::string_view channel, std::span<const LatchedMessage> messages, SessionId from);
+  void ForgetLatched(std::string_view channel);
   // Services of another session end now, and are served here. It is no fault that it still announces them for a while.
   void TakeServicesFrom(SessionId other);
 
-  // As Session::FromAny and Session::Serve, for types that were erased before.
+  // As Session::FromAny and Session::Serve, for types that were erased before. A type that is known at run time only
+  // has callbacks as Session::FromAnyRaw. It is compared with the types of publishers: a mismatch in this session
+  // throws TypeMismatch, one with another session is reported, whose messages may come all the same.
   [[nodiscard]] Subscription Subscribe(std::string_view channel, const TypeInfo& type, Invoke invoke,
                                        AnyCallback callback, NodeOptions options, const CallSite& where) {
-    return session_.SubscribeAny(session_.OpenToSubscribe(channel, type, where), type, invoke, std::move(callback),
-                                 std::move(options));
-  }
-  // As Session::FromAnyRaw on a channel of `type`, which is then compared with the types of publishers: a mismatch in
-  // this session throws TypeMismatch, one with another session is reported. Its messages may come all the same.
-  [[nodiscard]] Subscription SubscribeRaw(std::string_view channel, const TypeInfo& type, Invoke invoke,
-                                          AnyCallback callback, NodeOptions options, const CallSite& where) {
-    return session_.SubscribeAny(session_.OpenToSubscribe(channel, type, where), AnyType(), invoke, std::move(callback),
-                                 std::move(options));
+    return session_.SubscribeAny(session_.OpenToSubscribe(channel, type, where), IsRunTimeType(type) ? AnyType() : type,
+                                 invoke, std::move(callback), std::move(options));
   }
   using ServiceTypes = SessionServices::CallTypes;
   // A handler of bytes for Serve, whose replies are of the type `reply`, known at run time.

@@ -3,6 +3,8 @@
 #include <thread>
 #include <utility>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros {
 
 /// While it lives, the calling thread closes channels and transports on behalf of another thread: calls and tasks that
@@ -20,7 +22,7 @@ class ActingThread {
   }
 
  private:
-  static inline thread_local std::thread::id self;
+  static inline HGROS_THREAD_LOCAL std::thread::id self;
   const std::thread::id outer_;
 };
 

@@ -79,14 +79,24 @@ class Transport {
   /// Receives on the calling thread, which then calls InboundSink::Accept(), and Run() after kRunHere. Returns at once
   /// if another thread receives, or if the transport does not support this.
   virtual void Receive(const Visit& visit) noexcept { visit.first(); }
-  /// Whether the calling thread is in Receive() of a transport.
+  /// Receives on the calling thread until the visit ends, and sleeps meanwhile; this thread also calls Run() after
+  /// kRunApart. `first` is not called. It may return earlier, as after a signal. False at once if another thread
+  /// receives so, or if the transport does not support this.
+  [[nodiscard]] virtual bool ReceiveHere(const Visit& /*visit*/) noexcept { return false; }
+  /// Lets ReceiveHere() look at `done` once more. Takes no lock.
+  virtual void WakeReceiver() noexcept {}
+  /// Whether the calling thread reads for Receive() or ReceiveHere() of a transport.
   [[nodiscard]] static bool IsVisitor() noexcept;
+  /// For InboundSink::Run(). True if ReceiveHere() called it, whose thread has something else to do soon: then another
+  /// thread calls Run() once more, and this one returns.
+  [[nodiscard]] static bool LeaveRest() noexcept;
 
   /// Close() follows soon, so the peers need not be told of each subscription that ends until then.
   virtual void Leave() noexcept {}
-  /// Says goodbye to the peers, sends committed messages as far as `linger_ms` allows, and stops receiving. Later calls
-  /// do nothing.
-  virtual void Close(int linger_ms) noexcept = 0;
+  /// Says goodbye to the peers, sends committed messages as far as `linger_ms` allows, and stops receiving. Waits
+  /// longer, and at most `at_most_ms`, while messages still arrive at its peers. Later calls do nothing.
+  virtual void Close(int linger_ms, int at_most_ms) noexcept = 0;
+  void Close(int linger_ms) noexcept { Close(linger_ms, linger_ms); }
 };
 
 }  // namespace hgros

@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <ctime>
 #include <new>
 
 #include "hgros/base/error.hpp"
@@ -23,6 +26,22 @@ void FutexWait(Shared32& word, std::uint32_t value) noexcept {
 }
 
 void FutexWakeOne(Shared32& word) noexcept { syscall(SYS_futex, &word, FUTEX_WAKE, 1, nullptr, nullptr, 0); }
+
+void FutexWakeAll(Shared32& word) noexcept { syscall(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0); }
+
+// Those that sleep on one word sleep on the other from here on.
+void FutexMoveAll(Shared32& from, Shared32& to) noexcept {
+  syscall(SYS_futex, &from, FUTEX_REQUEUE, 0, static_cast<std::uintptr_t>(INT_MAX), &to, 0);
+}
+
+// False: a signal's handler has run.
+bool FutexWaitUntil(Shared32& word, std::uint32_t value, std::chrono::steady_clock::time_point until) noexcept {
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch()).count();
+  const timespec time{ns / 1'000'000'000, ns % 1'000'000'000};
+  const timespec* const limit = until == std::chrono::steady_clock::time_point::max() ? nullptr : &time;
+  return syscall(SYS_futex, &word, FUTEX_WAIT_BITSET, value, limit, nullptr, FUTEX_BITSET_MATCH_ANY) == 0 ||
+         errno != EINTR;
+}
 
 void Pause() noexcept {
 #if defined(__x86_64__)
@@ -123,6 +142,28 @@ void SessionBell::Wait() noexcept {
     FutexWait(page_.asleep, marked);
   }
   woken_.store(false);
+}
+
+bool SessionBell::WaitFirst(const std::function<bool()>& ends, std::chrono::steady_clock::time_point until) noexcept {
+  // A wake-up goes to the thread that has slept for longest. This one is first if the others sleep elsewhere meanwhile.
+  FutexMoveAll(page_.asleep, elsewhere_);
+  first_waits_.store(true);
+  const std::uint32_t marked = MarkAsleep(page_.asleep);
+  bool undisturbed = true;
+  if (Rung() || ends()) {
+    MarkAwake(page_.asleep);
+  } else {
+    undisturbed = FutexWaitUntil(page_.asleep, marked, until);
+  }
+  first_waits_.store(false);
+  woken_.store(false);
+  FutexMoveAll(elsewhere_, page_.asleep);
+  return undisturbed;
+}
+
+void SessionBell::WakeFirst() noexcept {
+  page_.asleep.fetch_add(kTurn);
+  if (first_waits_.load()) FutexWakeAll(page_.asleep);
 }
 
 void SessionBell::Ring(std::uint32_t number) noexcept { RingPage(page_, number); }

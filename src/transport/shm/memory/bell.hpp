@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -33,6 +34,11 @@ class SessionBell {
 
   /// Returns after a ring or Wake(), or earlier for no reason.
   void Wait() noexcept;
+  /// As Wait(), for one thread at a time: until it returns, a ring wakes this thread and no other that sleeps. It does
+  /// not sleep if `ends()`, nor for longer than `until`. False: a signal's handler has run.
+  [[nodiscard]] bool WaitFirst(const std::function<bool()>& ends, std::chrono::steady_clock::time_point until) noexcept;
+  /// Lets WaitFirst() return, or look at `ends` once more.
+  void WakeFirst() noexcept;
   /// Clears all rings, and calls `look(number)` for each peer that has rung. False if none has.
   template <class Look>
   bool CollectRings(Look&& look) {
@@ -60,6 +66,8 @@ class SessionBell {
   void EndLooking() noexcept;
   /// Whether a peer has rung.
   [[nodiscard]] bool HasRung() const noexcept;
+  /// Whether threads sleep at once, and do not look for a while before.
+  [[nodiscard]] bool sleeps_at_once() const noexcept { return !patience_.busy && patience_.spin.count() == 0; }
 
  private:
   [[nodiscard]] bool Spin() const noexcept;
@@ -70,6 +78,8 @@ class SessionBell {
   BellPage& page_;
   std::atomic<bool> woken_{false};
   std::atomic<bool> spinning_{false};
+  std::atomic<bool> first_waits_{false};
+  Shared32 elsewhere_{0};  // Where the others sleep while one waits first.
 };
 
 /// Another session's bell.

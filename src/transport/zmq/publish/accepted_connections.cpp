@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "hgros/base/memory_room.hpp"
-#include "transport/zmq/endpoint.hpp"
+#include "transport/zmq/connection.hpp"
 
 namespace hgros::zmq {
 namespace {
@@ -84,9 +84,8 @@ bool AcceptedConnections::Add(int fd, std::string address, SteadyTime now) {
   const bool too_many = static_cast<std::size_t>(count) >= most;
   Connection& added = connections_[fd];
   added.address = std::move(address);
-  added.since = now;
+  added.since = added.progress_at = added.reading_at = now;
   added.cut = too_many;
-  if (!too_many) added.unread.Watch(fd);
   if (too_many) {
     Cut(fd, "many",
         "has " + std::to_string(most) +
@@ -96,6 +95,7 @@ bool AcceptedConnections::Add(int fd, std::string address, SteadyTime now) {
   }
   if (added.address.empty() || MayBeSilent(added)) {
     added.silent = !added.address.empty();
+    added.unread.Watch(fd);
     return true;
   }
   HangUp(fd, bound_);
@@ -106,8 +106,12 @@ bool AcceptedConnections::Add(int fd, std::string address, SteadyTime now) {
   return false;
 }
 
+// Asks the system only about as many as could be too many.
 bool AcceptedConnections::MayBeSilent(const Connection& added) {
-  std::size_t count = 0;
+  const auto of_added = [&](const auto& entry) { return entry.second.silent && entry.second.address == added.address; };
+  auto count = static_cast<std::size_t>(std::ranges::count_if(connections_, of_added));
+  if (count < kMostSilent) return true;
+  count = 0;
   for (auto& [fd, connection] : connections_) {
     if (!connection.silent) continue;
     connection.silent = !HasGreeted(fd);
@@ -146,9 +150,13 @@ bool AcceptedConnections::NoteSession(int fd, SessionId session) {
     return false;
   }
   connection.speaker.session = session;
-  connection.idle = false;
+  NoteUse(fd, connection);
   connection.plain = false;
   return true;
+}
+
+void AcceptedConnections::NoteUse(int fd, Connection& connection) noexcept {
+  if (std::exchange(connection.idle, false)) KeepWhenClosed(fd, bound_);
 }
 
 void AcceptedConnections::NoteProof(int fd, std::uint64_t proof) {
@@ -175,7 +183,7 @@ bool AcceptedConnections::CountTopic(int fd, std::string_view topic, bool subscr
   const auto found = connections_.find(fd);  // If it has ended, ZeroMQ unsubscribes for it.
   if (found != connections_.end() && !found->second.cut) {
     Connection& connection = found->second;
-    connection.idle = false;
+    NoteUse(fd, connection);
     if (subscribed) ended_.erase(fd);
     if (subscribed) return Hold(fd, connection, topic);
     if (const auto known = connection.topics.find(topic); known != connection.topics.end()) {
@@ -311,6 +319,30 @@ void AcceptedConnections::CloseIdle(SteadyTime now) {
         "has not subscribed to anything for " + std::to_string(kIdleAfter.count()) +
             " s: the connection is closed. Let it connect when it subscribes.");
   }
+}
+
+// Before the kernel does: what it closes has an error (docs/decisions/0050).
+bool AcceptedConnections::CloseDead(SteadyTime now) {
+  bool left_alone = false;
+  const bool asks_unread = shared_.options.security.has_value();  // Only then ZeroMQ leaves connections alone.
+  for (auto& [fd, connection] : connections_) {
+    const auto progress = connection.address.empty() ? std::nullopt : ProgressOf(fd, asks_unread);
+    if (!progress) continue;
+    const Progress before = std::exchange(connection.progress, *progress);
+    if (!progress->waits || progress->acknowledged != before.acknowledged) connection.progress_at = now;
+    const bool has_end = progress->ended && before.ended;
+    const bool has_more = progress->unread && before.unread;
+    if (!(has_end || has_more) || progress->read != before.read) connection.reading_at = now;
+    left_alone = left_alone || now - connection.reading_at > kLeftAloneAfter;
+    // If the other side is gone, it answers what comes again with a reset. Nothing has come from it that could wait
+    // here.
+    const bool heeds = progress->unanswered;
+    if (std::exchange(connection.heeds_resets, heeds) != heeds) SetIgnoresResets(fd, bound_, !heeds);
+    if (now - connection.progress_at <= 2 * shared_.options.peer_timeout) continue;
+    connection.progress_at = now;
+    HangUp(fd, bound_);
+  }
+  return left_alone;
 }
 
 void AcceptedConnections::CutStuckPlain(SteadyTime now) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "hgros/base/ids.hpp"
+#include "transport/zmq/connection.hpp"
 #include "transport/zmq/shared_state.hpp"
 #include "transport/zmq/unread_bytes.hpp"
 
@@ -83,6 +84,10 @@ class AcceptedConnections {
   /// A control message of this size was sent to it.
   void CountSent(int fd, std::size_t bytes);
   void CloseIdle(SteadyTime now);
+  /// Closes those whose other side has got nothing for twice the peer timeout, and lets the kernel close those whose
+  /// other side is gone. To be called once per heartbeat. True if ZeroMQ has left one alone: then only all
+  /// connections can be closed together.
+  [[nodiscard]] bool CloseDead(SteadyTime now);
   /// To be called for each plain message while more than half of the shared bytes are in use. Closes the connections
   /// whose send buffers have been full for a while, if there are others with room.
   void CutStuckPlain(SteadyTime now);
@@ -103,6 +108,10 @@ class AcceptedConnections {
     bool cut = false;
     Speaker speaker;
     UnreadBytes unread;
+    Progress progress;
+    SteadyTime progress_at{};
+    SteadyTime reading_at{};
+    bool heeds_resets = false;
     int full_looks = 0;  // How often in a row the send buffer was full.
     std::size_t topic_bytes = 0;
     std::set<std::string, std::less<>> topics;
@@ -114,6 +123,8 @@ class AcceptedConnections {
 
   void Report(int fd, std::string_view limit, std::string_view what);
   [[nodiscard]] bool MayBeSilent(const Connection& added);
+  /// Something is sent over it from now on.
+  void NoteUse(int fd, Connection& connection) noexcept;
   /// False if the connection was closed.
   [[nodiscard]] bool Hold(int fd, Connection& connection, std::string_view topic);
   void Release(std::string_view topic);

@@ -12,6 +12,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/ids.hpp"
 #include "hgros/base/system_limits.hpp"
+#include "transport/zmq/connection.hpp"
 #include "transport/zmq/endpoint.hpp"
 
 namespace hgros::zmq {
@@ -68,10 +69,15 @@ void ConnectionWatch::Tick() {
   (void)Update();
   const auto now = std::chrono::steady_clock::now();
   connections_.CloseIdle(now);
-  if (listening_ == Listening::kOpen) {
-    StopIfIpcIsInDanger();
-  } else {
+  const bool left_alone = connections_.CloseDead(now);
+  if (listening_ != Listening::kOpen) {
     ListenAgain(now);
+  } else if (left_alone) {
+    // With keys, libzmq 4.3.4 may keep a connection over which wrong bytes came, with all that is sent to it.
+    closed_until_ = now;
+    Unbind("because ZeroMQ does not end one of them. They can connect again in a moment.");
+  } else {
+    StopIfIpcIsInDanger();
   }
 }
 
@@ -128,7 +134,10 @@ bool ConnectionWatch::ReadEvents(std::int32_t& accept_failure) {
       case ZMQ_EVENT_ACCEPT_FAILED:
         if (value == EMFILE || value == ENFILE) accept_failure = value;
         break;
-      case ZMQ_EVENT_LISTENING: listening_fd_ = value; break;
+      case ZMQ_EVENT_LISTENING:
+        listening_fd_ = value;
+        IgnoreResets(value);
+        break;
       case ZMQ_EVENT_CLOSED:  // With all connections: their ends are not reported.
         listening_fd_ = -1;
         connections_.Clear();
@@ -145,7 +154,9 @@ void ConnectionWatch::OnAccepted(int fd) {
   StopIfIpcIsInDanger();
   const std::string address = AddressOf(fd);
   const auto now = std::chrono::steady_clock::now();
-  if (connections_.Add(fd, address, now) && !address.empty()) unfinished_.Add(fd, now);
+  if (!connections_.Add(fd, address, now) || address.empty()) return;
+  SetIgnoresResets(fd, bound_, true);  // It may have come before its endpoint did.
+  unfinished_.Add(fd, now);
 }
 
 // ZeroMQ's own faults are many. These two are what a client without the right key looks like.

@@ -9,7 +9,6 @@
 namespace hgros::zmq {
 namespace {
 
-constexpr std::string_view kOfTheLibrary = "hgros/";
 constexpr std::size_t kMaxPlainTopics = 16384;  // A limit against strangers, who could fill the memory.
 
 }  // namespace
@@ -78,15 +77,6 @@ std::size_t PublishedChannels::Unfinished(const OutboundCore& core) const {
   return unfinished;
 }
 
-void PublishedChannels::AddUnconfirmed(SharedState::Lingering& lingering) const {
-  for (const auto& [name, channel] : channels_) {
-    if (name.starts_with(kOfTheLibrary)) continue;
-    const std::size_t unconfirmed = Unfinished(*channel.core);
-    lingering.messages += unconfirmed;
-    if (unconfirmed > 0) lingering.channel = name;
-  }
-}
-
 void PublishedChannels::Reserve(const OutboundCore& core) {
   const auto found = channels_.find(core.name);
   if (found == channels_.end()) return;
@@ -115,7 +105,7 @@ void PublishedChannels::Commit(const std::shared_ptr<OutboundCore>& core,
   // The reservation of a skipped message is free again, and another thread may have been refused meanwhile.
   if (skipped && HasRoom(*core)) OutboundCore::TellRoom(core, actions);
   if (!found->second.plain) return;
-  if (plain_bytes_->load(std::memory_order_relaxed) >= shared_.options.plain_queue_bytes) {
+  if (plain_bytes() >= shared_.options.plain_queue_bytes) {
     core->dropped.fetch_add(1, std::memory_order_relaxed);
     return;
   }

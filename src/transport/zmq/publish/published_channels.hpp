@@ -50,8 +50,6 @@ class PublishedChannels {
   [[nodiscard]] bool HasRoom(const OutboundCore& core) const;
   /// Number of messages that lossless subscribers have not consumed.
   [[nodiscard]] std::size_t Unfinished(const OutboundCore& core) const;
-  /// Adds the messages of lossless channels that were sent and not confirmed.
-  void AddUnconfirmed(SharedState::Lingering& lingering) const;
   void Reserve(const OutboundCore& core);
   void CancelReservation(const std::shared_ptr<OutboundCore>& core, Actions& actions);
   void Commit(const std::shared_ptr<OutboundCore>& core, const std::shared_ptr<const WireMessage>& message,
@@ -69,9 +67,11 @@ class PublishedChannels {
   /// Ends the link of a wish of this peer, if it has one.
   void RemoveLink(const SubscriberPeer& peer, Wish& wish, LinkEnd why, Actions& actions);
 
+  /// The bytes that ZeroMQ holds for plain subscribers.
+  [[nodiscard]] std::uint64_t plain_bytes() const { return plain_bytes_->load(std::memory_order_relaxed); }
   /// Whether plain subscribers may soon lose messages because one of them does not read.
   [[nodiscard]] bool IsPlainSlow(const OutboundCore& core) const {
-    if (plain_bytes_->load(std::memory_order_relaxed) <= shared_.options.plain_queue_bytes / 2) return false;
+    if (plain_bytes() <= shared_.options.plain_queue_bytes / 2) return false;
     const auto found = channels_.find(core.name);
     return found != channels_.end() && found->second.plain;
   }

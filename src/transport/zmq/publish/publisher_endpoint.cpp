@@ -4,6 +4,7 @@
 
 #include "hgros/base/readable_text.hpp"
 #include "transport/agreement.hpp"
+#include "transport/zmq/connection.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/curve.hpp"
 #include "transport/zmq/endpoint.hpp"
@@ -13,7 +14,10 @@ namespace hgros::zmq {
 namespace {
 
 constexpr int kWaitingUpstream = 4;
-constexpr int kFramesPerTurn = 64;  // Then other endpoints have their turn.
+constexpr int kAskAfterS = 2;
+constexpr int kAskAgainAfterS = 5;
+constexpr int kMostQuestions = 127;  // The most that the kernel allows.
+constexpr int kFramesPerTurn = 64;   // Then other endpoints have their turn.
 
 }  // namespace
 
@@ -31,15 +35,25 @@ PublisherEndpoint::PublisherEndpoint(SharedState& shared, const PublishEndpoint&
   // Credit limits the messages in flight. ZeroMQ's own limits would silently drop the newest messages.
   socket_.Set(ZMQ_SNDHWM, 0);
   // ZeroMQ takes all subscriptions of a connection that wait before it returns the first one. With this limit its
-  // thread stops reading meanwhile, so the subscriber waits and its limits are seen in time.
-  socket_.Set(ZMQ_RCVHWM, kWaitingUpstream);
+  // thread stops reading meanwhile, so the subscriber waits and its limits are seen in time. But ZeroMQ ends the
+  // process if such a connection has an error and a PING waits. So connections never have errors (docs/decisions/0050),
+  // except for those of ipc, which have no limit: there only programs of the same user can connect.
+  socket_.Set(ZMQ_RCVHWM, endpoint_.starts_with("ipc:") ? 0 : kWaitingUpstream);
   // Reports every subscription and unsubscription, even if another connection has it: AcceptedConnections counts them.
   // After a reconnect the old connection may end after the new one has begun.
   socket_.Set(ZMQ_XPUB_VERBOSER, 1);
   socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxUpstreamBytes));
+  // The kernel asks connections that are silent, because it hears nothing of one that was reset.
   socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
-  socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * shared.options.peer_timeout.count()));
+  socket_.Set(ZMQ_TCP_KEEPALIVE_IDLE, kAskAfterS);
+  socket_.Set(ZMQ_TCP_KEEPALIVE_INTVL, kAskAgainAfterS);
+  socket_.Set(ZMQ_TCP_KEEPALIVE_CNT, kMostQuestions);
+  // With a domain, ZeroMQ refuses ZMTP before 3.0. Otherwise it takes arbitrary bytes for messages of ZMTP 1.0, some of
+  // them for subscriptions. When such a connection ends it looks through the topics of all, in whatever call is next:
+  // so a flood of them held a publishing thread for 40 s.
+  socket_.Set(ZMQ_ZAP_DOMAIN, "hgros");
   if (shared.options.security) SecureServer(socket_, *shared.options.security);
+  SetFamily(socket_, endpoint_);
   BindOrThrow(socket_, endpoint_);
   bound_ = socket_.LastEndpoint();
   (void)watch_.Serve();
@@ -275,6 +289,11 @@ void PublisherEndpoint::Tick(SteadyTime now, Actions& actions) {
   watch_.Tick();
 }
 
+void PublisherEndpoint::OnReplaced(SessionId session, Actions& actions) {
+  const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+  peers_.OnReplaced(session, actions);
+}
+
 void PublisherEndpoint::ForgiveSilence(SteadyTime now) {
   const std::scoped_lock lock(mutex_);
   peers_.ForgiveSilence(now);
@@ -285,9 +304,12 @@ std::size_t PublisherEndpoint::Unfinished(const OutboundCore& core) const {
   return channels_.Unfinished(core);
 }
 
-bool PublisherEndpoint::AllSent() const {
-  const std::scoped_lock lock(mutex_);
-  return peers_.AllSent();
+void PublisherEndpoint::LookAtArriving(Arriving& arriving) {
+  const SocketUse use(mutex_, socket_, input_, *shared_.waker);
+  peers_.LookAtArriving(arriving);
+  const std::uint64_t plain = channels_.plain_bytes();
+  arriving.any = arriving.any || plain > 0;
+  arriving.progress -= plain;
 }
 
 void PublisherEndpoint::AddWishes(std::vector<SessionChannels>& known) const {
@@ -297,8 +319,7 @@ void PublisherEndpoint::AddWishes(std::vector<SessionChannels>& known) const {
 
 void PublisherEndpoint::Close(int linger_ms, Actions& actions) {
   const std::scoped_lock lock(mutex_);
-  // What still waits for credit is told elsewhere.
-  if (shared_.closing && peers_.AllSent()) channels_.AddUnconfirmed(shared_.lingering);
+  if (shared_.closing) peers_.AddUnconfirmed(shared_.unconfirmed);
   peers_.DropAll("the endpoint was closed", actions);
   if (socket_.closed()) return;
   const bool listens = watch_.listens();

@@ -11,6 +11,7 @@
 #include "hgros/transport/inbound_channel.hpp"
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
+#include "transport/zmq/arrival_wait.hpp"
 #include "transport/zmq/publish/connection_watch.hpp"
 #include "transport/zmq/publish/published_channels.hpp"
 #include "transport/zmq/publish/subscriber_peers.hpp"
@@ -64,9 +65,12 @@ class PublisherEndpoint {
   /// Reads what has arrived, if pending(). True if there may be more.
   bool Serve(Actions& actions);
   void Tick(SteadyTime now, Actions& actions);
+  /// Another session publishes where this one did: it is not waited for.
+  void OnReplaced(SessionId session, Actions& actions);
   /// The waiting thread itself did not run for a while: counts all peers as heard now.
   void ForgiveSilence(SteadyTime now);
-  [[nodiscard]] bool AllSent() const;
+  /// Adds what its subscribers may not have received yet, and asks them. For the end of the transport.
+  void LookAtArriving(Arriving& arriving);
   [[nodiscard]] std::size_t Unfinished(const OutboundCore& core) const;
   /// Adds the sessions that subscribe here, with their channels.
   void AddWishes(std::vector<SessionChannels>& known) const;

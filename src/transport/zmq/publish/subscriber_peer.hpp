@@ -34,8 +34,13 @@ struct SubscriberPeer {
   int connection = -1;          ///< The descriptor that its latest Hello came over.
   std::uint64_t proof = 0;      ///< Of all its Hellos; 0: of none.
   SteadyTime last_heard{};
-  bool cut = false;  ///< Its connection has ended, and it gets some time to come back.
+  bool cut = false;       ///< Its connection has ended, and it gets some time to come back.
+  bool replaced = false;  ///< Another session publishes where it did.
   ClockQuestion clock;
+  /// At the end: asked over this connection after everything else; 0: not asked. It answers when it has read all that.
+  std::int64_t last_question = 0;
+  bool asked = false;                                   ///< Over this connection or an earlier one.
+  bool received_all = false;                            ///< It has answered the last question.
   std::uint64_t waiting_bytes = 0;                      ///< The sum of all its links.
   std::unordered_map<std::string, Wish> wishes;         ///< By channel.
   std::size_t wish_bytes = 0;                           ///< Wish::size() of all.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "transport/agreement.hpp"
+#include "transport/zmq/connection.hpp"
 #include "transport/zmq/control.hpp"
 
 namespace hgros::zmq {
@@ -13,6 +14,7 @@ namespace {
 constexpr std::size_t kMaxPeers = 1024;
 constexpr std::size_t kMaxGreetings = 4096;
 constexpr std::size_t kMaxReportedMismatches = 4096;
+constexpr std::string_view kOfTheLibrary = "hgros/";
 constexpr auto kGreetAgainAfter = std::chrono::milliseconds(200);
 
 }  // namespace
@@ -130,7 +132,7 @@ void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int c
   peer->proof = hello.proof();
   peer->connection = connection;
   peer->last_heard = std::chrono::steady_clock::now();
-  peer->cut = false;
+  peer->cut = peer->replaced = false;
   watch_.NoteProof(connection, hello.proof());
   RepeatOffers(*peer, greeting->second);
 }
@@ -171,6 +173,7 @@ void SubscriberPeers::OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& h
     *message.mutable_heartbeat() = std::move(*answer);
     Send(peer, message);
   }
+  if (peer.last_question != 0 && heartbeat.answer_to_ns() == peer.last_question) peer.received_all = true;
   if (const auto exchange = peer.clock.Read(heartbeat, now)) {
     actions.emplace_back(
         [this, info = peer.facts.info, told = *exchange] { shared_.listener.OnClockExchange(info, told); });
@@ -184,7 +187,7 @@ void SubscriberPeers::OnDisconnected(SessionId session, Actions& actions) {
   // A lossless subscriber gets some time to come back.
   const bool waits = std::ranges::any_of(
       peer->wishes, [](const auto& entry) { return entry.second.link && entry.second.link->flow.lossless(); });
-  if (waits) {
+  if (waits && !peer->replaced) {
     peer->cut = true;
     PauseLinks(*peer);
   } else {
@@ -192,7 +195,16 @@ void SubscriberPeers::OnDisconnected(SessionId session, Actions& actions) {
   }
 }
 
+void SubscriberPeers::OnReplaced(SessionId session, Actions& actions) {
+  SubscriberPeer* peer = Find(session);
+  if (peer == nullptr) return;
+  peer->replaced = true;
+  if (peer->cut) Drop(session, "another session took its place", actions);
+}
+
 void SubscriberPeers::PauseLinks(SubscriberPeer& peer) {
+  peer.last_question = 0;
+  peer.received_all = false;
   const auto now = std::chrono::steady_clock::now();
   for (auto& [channel, wish] : peer.wishes) {
     if (wish.link) wish.link->Pause(now);
@@ -221,13 +233,15 @@ void SubscriberPeers::ReportMismatch(SubscriberPeer& peer, const std::string& ch
 void SubscriberPeers::Tick(SteadyTime now, Actions& actions) {
   const auto timeout = shared_.options.peer_timeout;
   auto heartbeat = ControlFrom(shared_.self.info.id);
+  const auto timeout_if_replaced = std::min(timeout, 2 * shared_.options.heartbeat);
   std::vector<SessionId> silent;
   for (auto& [session, peer] : peers_) {
-    if (now - peer->last_heard > timeout) {
+    if (now - peer->last_heard > (peer->replaced ? timeout_if_replaced : timeout)) {
       silent.push_back(session);
       continue;
     }
-    if (!peer->cut) {
+    // At the end no more are sent: that its kernel has got them would look like progress.
+    if (!peer->cut && peer->last_question == 0) {
       peer->clock.Ask(*heartbeat.mutable_heartbeat(), shared_.Wall());
       Send(*peer, heartbeat);
     }
@@ -240,7 +254,8 @@ void SubscriberPeers::Tick(SteadyTime now, Actions& actions) {
     }
   }
   for (const auto session : silent) {
-    Drop(session, "it was silent for " + std::to_string(timeout.count()) + " ms", actions);
+    const auto patience = peers_.at(session)->replaced ? timeout_if_replaced : timeout;
+    Drop(session, "it was silent for " + std::to_string(patience.count()) + " ms", actions);
   }
 }
 
@@ -248,8 +263,40 @@ void SubscriberPeers::ForgiveSilence(SteadyTime now) {
   for (auto& [session, peer] : peers_) peer->last_heard = now;
 }
 
-bool SubscriberPeers::AllSent() const {
-  return std::ranges::all_of(peers_, [](const auto& entry) { return entry.second->waiting_bytes == 0; });
+void SubscriberPeers::LookAtArriving(Arriving& arriving) {
+  for (auto& [session, peer] : peers_) {
+    std::uint64_t unconfirmed = 0;
+    std::uint64_t confirmed = 0;
+    for (const auto& [channel, wish] : peer->wishes) {
+      if (!wish.link) continue;
+      unconfirmed += wish.link->flow.unconfirmed();
+      confirmed += wish.link->flow.confirmed();
+    }
+    const bool all_sent = peer->waiting_bytes == 0;
+    if (all_sent && (unconfirmed == 0 || peer->received_all || peer->cut)) continue;
+    arriving.any = true;
+    arriving.progress += confirmed + BytesAcknowledged(peer->connection).value_or(0);
+    if (!all_sent || peer->cut || peer->last_question != 0) continue;
+    const Time now = shared_.Wall();
+    auto question = ControlFrom(shared_.self.info.id);
+    peer->clock.Ask(*question.mutable_heartbeat(), now);
+    peer->last_question = now.nanoseconds;
+    peer->asked = true;
+    Send(*peer, question);
+  }
+}
+
+void SubscriberPeers::AddUnconfirmed(SharedState::Unconfirmed& unconfirmed) const {
+  for (const auto& [session, peer] : peers_) {
+    if (peer->received_all) continue;
+    if (peer->waiting_bytes > 0 && !peer->asked) continue;  // That is told elsewhere.
+    for (const auto& [channel, wish] : peer->wishes) {
+      if (!wish.link || !wish.link->flow.lossless() || channel.starts_with(kOfTheLibrary)) continue;
+      const std::size_t messages = wish.link->flow.unfinished();
+      unconfirmed.messages += messages;
+      if (messages > 0) unconfirmed.channel = channel;
+    }
+  }
 }
 
 void SubscriberPeers::AddWishes(std::vector<SessionChannels>& known) const {

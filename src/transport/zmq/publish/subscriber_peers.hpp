@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hgros/control.pb.h"
+#include "transport/zmq/arrival_wait.hpp"
 #include "transport/zmq/publish/connection_watch.hpp"
 #include "transport/zmq/publish/published_channels.hpp"
 #include "transport/zmq/publish/subscriber_peer.hpp"
@@ -52,6 +53,8 @@ class SubscriberPeers {
   void OnHeartbeat(SubscriberPeer& peer, const wire::Heartbeat& heartbeat, Actions& actions);
   /// The session has unsubscribed from its control topic, or its connection has ended.
   void OnDisconnected(SessionId session, Actions& actions);
+  /// Another session publishes where this one did. It is dropped as soon as its connection is closed, or it is silent.
+  void OnReplaced(SessionId session, Actions& actions);
   void Drop(SessionId session, std::string_view reason, Actions& actions, LinkEnd links = LinkEnd::kLost);
 
   /// Sends Offers to all peers: the channel is now offered, or no longer.
@@ -62,7 +65,10 @@ class SubscriberPeers {
   void Tick(SteadyTime now, Actions& actions);
   /// Counts all peers as heard now.
   void ForgiveSilence(SteadyTime now);
-  [[nodiscard]] bool AllSent() const;
+  /// Adds what peers may not have received yet. Asks each of them once everything was sent to it.
+  void LookAtArriving(Arriving& arriving);
+  /// Adds the messages of lossless channels that were sent, and may not have been received.
+  void AddUnconfirmed(SharedState::Unconfirmed& unconfirmed) const;
   /// Adds the sessions that subscribe here, with their channels.
   void AddWishes(std::vector<SessionChannels>& known) const;
   /// Sends Bye to all.

@@ -101,7 +101,7 @@ bool Subscriptions::UpdateLink(SubscriberPeer& peer, Wish& wish, Actions& action
   if (link.flow.lossless() != granted.lossless) link.core->lossless.fetch_add(granted.lossless ? 1 : std::size_t(-1));
   PeerChannel::Dropped ended;
   link.core->dropped.fetch_add(link.flow.SetDemand(granted, ended), std::memory_order_relaxed);
-  SendSubscribed(peer, link, descriptor_set);
+  SendSubscribed(peer, wish, descriptor_set);
   channels_.SendWaiting(link, ended);
   EndLater(std::move(ended), actions);
   OutboundCore::TellRoom(link.core, actions);
@@ -133,7 +133,7 @@ void Subscriptions::MakeLink(SubscriberPeer& peer, Wish& wish, Actions& actions)
   channel->links.push_back(wish.link.get());
   if (wish.link->flow.lossless()) core->lossless.fetch_add(1);
   OutboundCore::CountSubscriber(core, session, 1, actions);
-  SendSubscribed(peer, *wish.link, *descriptor_set);
+  SendSubscribed(peer, wish, *descriptor_set);
   if (peer.cut) wish.link->Pause(std::chrono::steady_clock::now());
   actions.emplace_back([this, core, session, link = wish.link->id] { fetch_latched_(core, session, link); });
 }
@@ -148,7 +148,8 @@ void Subscriptions::BeginLink(const OutboundCore& core, SessionId session, std::
   channels_.SendWaiting(*wish->second.link, ended);
 }
 
-void Subscriptions::SendSubscribed(const SubscriberPeer& peer, const OutLink& link, const std::string& descriptor_set) {
+void Subscriptions::SendSubscribed(const SubscriberPeer& peer, const Wish& wish, const std::string& descriptor_set) {
+  const OutLink& link = *wish.link;
   auto message = ControlFrom(shared_.self.info.id);
   auto& subscribed = *message.mutable_subscribed();
   WriteType(link.core->name, link.core->type, *subscribed.mutable_offered());
@@ -157,6 +158,7 @@ void Subscriptions::SendSubscribed(const SubscriberPeer& peer, const OutLink& li
   subscribed.set_credit_messages(link.flow.demand().credit_messages);
   subscribed.set_credit_bytes(link.flow.demand().credit_bytes);
   subscribed.set_descriptor_set(descriptor_set);
+  subscribed.set_wish(wish.asked.wish());
   peers_.Send(peer, message);
 }
 

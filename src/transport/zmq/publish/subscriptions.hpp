@@ -44,7 +44,7 @@ class Subscriptions {
   /// False if the link has ended instead, because it cannot continue from the subscriber's state.
   [[nodiscard]] bool UpdateLink(SubscriberPeer& peer, Wish& wish, Actions& actions);
   void MakeLink(SubscriberPeer& peer, Wish& wish, Actions& actions);
-  void SendSubscribed(const SubscriberPeer& peer, const OutLink& link, const std::string& descriptor_set);
+  void SendSubscribed(const SubscriberPeer& peer, const Wish& wish, const std::string& descriptor_set);
   [[nodiscard]] Demand GrantedTo(const OutboundCore& core, const wire::Subscribe& asked) const;
 
   SharedState& shared_;

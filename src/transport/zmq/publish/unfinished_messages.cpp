@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
-#include "transport/zmq/endpoint.hpp"
+#include "transport/zmq/connection.hpp"
 
 namespace hgros::zmq {
 UnfinishedMessages::UnfinishedMessages()

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "hgros/base/thread_local.hpp"
+
 namespace hgros::zmq {
 namespace {
 
@@ -42,7 +44,7 @@ Message Share(Message& message) {
 }  // namespace
 
 WireMessage::WireMessage(const PacketHead& head, const Payload& data) : id_(head.id), data_(Frame(data)) {
-  thread_local std::string head_frame;
+  HGROS_THREAD_LOCAL std::string head_frame;
   EncodeHeadFrame(head, head_frame);
   head_ = Message::CopyOf(AsBytes(head_frame));
   bytes_ = head_frame.size() + data.bytes.size();

@@ -33,6 +33,8 @@ struct InLink {
   bool plain = false;       ///< The plain topic, with ZeroMQ.
   bool asked = false;       ///< Subscribe was sent since the last Welcome.
   bool active = false;      ///< Counted as a publisher.
+  bool certain = false;     ///< And Subscribed has answered this wish, not an earlier one: no number may be missing.
+  std::uint64_t wish = 0;
   std::uint64_t id = 0;
   std::uint64_t fingerprint = 0;                ///< Fingerprint of the publisher's type, which was compared with ours.
   std::shared_ptr<const MessageSchema> schema;  ///< That type, if it is another one.

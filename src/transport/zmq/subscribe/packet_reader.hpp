@@ -18,12 +18,17 @@ namespace hgros::zmq {
 /// Thread safety: none; the leading thread calls it under the endpoint's mutex.
 class PacketReader {
  public:
+  enum class Result {
+    kDone,
+    kTooMuch,  ///< The publisher sent more than it had credit for: nothing more must be read from it.
+    kGap,      ///< It, or a message before it, is lost. It comes again after the next handshake.
+  };
+
   PacketReader(SharedState& shared, const PublisherConnection& connection, const RemotePublisher& publisher,
                SubscribedChannels& channels, Inbox& inbox)
       : shared_(shared), connection_(connection), publisher_(publisher), channels_(channels), inbox_(inbox) {}
 
-  /// False if the publisher sent more than it had credit for: nothing more must be read from it.
-  [[nodiscard]] bool Read(const Message& topic, std::vector<Message>& frames);
+  [[nodiscard]] Result Read(const Message& topic, std::vector<Message>& frames);
 
  private:
   /// Reports a dropped packet to the channel. `credit` is held until then.

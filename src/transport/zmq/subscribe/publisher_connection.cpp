@@ -18,7 +18,10 @@ namespace {
 constexpr std::uint64_t kEncryptionBytes = 1024;  // More than CURVE adds to a frame.
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
+// The kernel repeats an attempt that gets no answer ever more rarely. A cable that is back must not wait for that.
+constexpr int kConnectMs = 3000;
 constexpr auto kBetweenReports = std::chrono::milliseconds(100);  // Each outage is reported.
+constexpr auto kSessionsPeriod = std::chrono::seconds(10);
 constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
 
 // The failure of a handshake that says more about its cause; 0: none.
@@ -44,10 +47,12 @@ PublisherConnection::PublisherConnection(SharedState& shared, const SubscribeEnd
       socket_(shared.context, ZMQ_XSUB),
       monitor_(shared.context, ZMQ_PAIR),
       logs_(!endpoint.on_event) {
+  SetFamily(socket_, endpoint_);
   socket_.Set(ZMQ_SNDHWM, 0);
   socket_.Set(ZMQ_RCVHWM, 0);
   socket_.Set(ZMQ_RECONNECT_IVL, kReconnectMs);
   socket_.Set(ZMQ_RECONNECT_IVL_MAX, kReconnectMaxMs);
+  socket_.Set(ZMQ_CONNECT_TIMEOUT, kConnectMs);
   socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(shared.options.max_message_bytes + kEncryptionBytes));
   socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
   socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * shared.options.peer_timeout.count()));
@@ -95,8 +100,7 @@ bool PublisherConnection::ReadMonitor() {
     std::memcpy(&what, event.bytes().data(), sizeof what);
     std::memcpy(&value, event.bytes().data() + sizeof what, sizeof value);
     if (what == ZMQ_EVENT_CONNECTED) {
-      new_connection_ = value;
-      unread_.Watch(value);
+      NoteConnection(value);
     } else if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
       connected_ = true;
       welcomed_ = false;
@@ -104,8 +108,7 @@ bool PublisherConnection::ReadMonitor() {
       unreached_since_.reset();
       handshake_failure_ = 0;
     } else if (what == ZMQ_EVENT_DISCONNECTED) {
-      new_connection_ = -1;
-      unread_.Watch(-1);
+      NoteConnection(-1);
       given_up_since_ = std::chrono::steady_clock::now();
       if (connected_) unreached_since_ = given_up_since_;
       connected_ = false;
@@ -119,6 +122,22 @@ bool PublisherConnection::ReadMonitor() {
     }
   }
   return ended;
+}
+
+void PublisherConnection::NoteConnection(int fd) noexcept {
+  new_connection_ = tcp_ = fd;
+  unread_.Watch(fd);
+  progress_ = {};
+  sessions_ = 0;
+}
+
+bool PublisherConnection::NoteSession() noexcept {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - sessions_since_ >= kSessionsPeriod) {
+    sessions_since_ = now;
+    sessions_ = 0;
+  }
+  return ++sessions_ <= kMostSessions;
 }
 
 void PublisherConnection::SetWelcomed() noexcept {
@@ -200,11 +219,20 @@ std::optional<SteadyTime> PublisherConnection::Deadline() const {
   return connected_since_ + shared_.options.plain_after;
 }
 
+bool PublisherConnection::IsLeftAlone(SteadyTime now, SteadyTime heard) {
+  if (!shared_.options.security || !connected_) return false;
+  if (welcomed_ && now - heard > 2 * shared_.options.peer_timeout) return true;
+  const auto progress = ProgressOf(tcp_, true);
+  if (!progress) return false;
+  const Progress before = std::exchange(progress_, *progress);
+  if (!progress->unread || !before.unread || progress->read != before.read) reading_at_ = now;
+  return now - reading_at_ > kLeftAloneAfter;
+}
+
 void PublisherConnection::Abort(std::chrono::milliseconds pause) {
   socket_.Disconnect(endpoint_);
   connected_ = false;
-  new_connection_ = -1;
-  unread_.Watch(-1);
+  NoteConnection(-1);
   given_up_since_ = std::chrono::steady_clock::now();
   paused_until_ = *given_up_since_ + pause;
   unreached_since_ = paused_until_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hgros/control.pb.h"
+#include "transport/zmq/connection.hpp"
 #include "transport/zmq/shared_state.hpp"
 #include "transport/zmq/socket.hpp"
 #include "transport/zmq/unread_bytes.hpp"
@@ -19,6 +20,10 @@ namespace hgros::zmq {
 /// Invariants: while the other side counts as plain, it is connected and has sent no Welcome since then.
 class PublisherConnection {
  public:
+  /// How often a session may come over one connection within 10 s. Each is reported to the program, and other threads
+  /// forget what it had. A program that starts again makes a new connection.
+  static constexpr int kMostSessions = 16;
+
   /// Connects. Throws Error.
   PublisherConnection(SharedState& shared, const SubscribeEndpoint& endpoint);
 
@@ -49,6 +54,8 @@ class PublisherConnection {
   [[nodiscard]] std::optional<int> CollectConnection() noexcept { return std::exchange(new_connection_, {}); }
   /// The other side has sent a Welcome.
   void SetWelcomed() noexcept;
+  /// A session comes. False if that happens too often.
+  [[nodiscard]] bool NoteSession() noexcept;
   /// The other side can be reached, even if the monitor has not reported it yet.
   void SetConnected() noexcept;
 
@@ -58,12 +65,16 @@ class PublisherConnection {
   void Tick(SteadyTime now);
   /// When Tick() or TurnPlain() must be called next.
   [[nodiscard]] std::optional<SteadyTime> Deadline() const;
+  /// Whether ZeroMQ, here or there, reads no more of the connection, though it stays: after wrong bytes, with keys.
+  /// `heard`: when something came from the publisher. To be called once per heartbeat.
+  [[nodiscard]] bool IsLeftAlone(SteadyTime now, SteadyTime heard);
   /// Ends the connection; Tick() makes a new one after `pause`.
   void Abort(std::chrono::milliseconds pause = {});
   void Close(int linger_ms);
 
  private:
   void LogUnreachable();
+  void NoteConnection(int fd) noexcept;
 
   SharedState& shared_;
   const std::string endpoint_;
@@ -87,6 +98,11 @@ class PublisherConnection {
   const bool logs_;
   bool failed_ = false;
   std::optional<int> new_connection_;
+  int tcp_ = -1;  // The descriptor of the connection; -1: none.
+  Progress progress_;
+  SteadyTime reading_at_{};
+  SteadyTime sessions_since_{};
+  int sessions_ = 0;  // That have come over this connection since then.
   UnreadBytes unread_;
   bool too_much_unread_ = false;
   std::future<void> lookup_;  // Looks for the host's address: a name server may take long to answer.

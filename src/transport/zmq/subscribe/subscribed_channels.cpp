@@ -142,6 +142,11 @@ void SubscribedChannels::SendSubscribe(InLink& link, bool change_only) {
   subscribe.set_credit_messages(demand.credit_messages);
   subscribe.set_credit_bytes(demand.credit_bytes);
   subscribe.set_change_only(change_only);
+  if (!change_only) {
+    link.wish = RandomId();
+    link.certain = false;
+  }
+  subscribe.set_wish(link.wish);
   if (link.id != 0) {
     subscribe.set_link(link.id);
     subscribe.set_received_messages(link.credit->received());
@@ -192,6 +197,7 @@ void SubscribedChannels::OnSubscribed(const wire::Subscribed& subscribed, Action
     if (!BeginLink(*link, subscribed, actions)) return;
   }
   if (!std::exchange(link->active, true)) InboundCore::CountPublisher(link->core, publisher_.id(), 1, actions);
+  link->certain = subscribed.wish() == link->wish;
 }
 
 bool SubscribedChannels::BeginLink(InLink& link, const wire::Subscribed& subscribed, Actions& actions) {

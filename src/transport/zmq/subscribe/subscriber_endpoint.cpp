@@ -11,15 +11,15 @@ namespace {
 
 constexpr int kMessagesPerTurn = 32;  // Then other endpoints have their turn.
 constexpr auto kPauseAfterFault = std::chrono::seconds(5);
-constexpr auto kSessionsPeriod = std::chrono::seconds(10);
 
 }  // namespace
 
 SubscriberEndpoint::SubscriberEndpoint(SharedState& shared, Poller& poller, const SubscribeEndpoint& endpoint,
-                                       ClaimsFreed claims_freed)
+                                       ClaimsFreed claims_freed, Replaced replaced)
     : shared_(shared),
       poller_(poller),
       on_event_(endpoint.on_event),
+      replaced_(std::move(replaced)),
       connection_(shared, endpoint),
       channels_(shared, connection_, publisher_, endpoint.channels, std::move(claims_freed)) {}
 
@@ -107,20 +107,28 @@ bool SubscriberEndpoint::ReadBatch() {
         continue;
       }
       OnControl(frames, actions);
-    } else if (!packets_.Read(topic, frames)) {
-      AbortConnection(actions);
+    } else if (const auto read = packets_.Read(topic, frames); read == PacketReader::Result::kTooMuch) {
+      AbortConnection("it sent more than it had credit for", true, actions);
+    } else if (read == PacketReader::Result::kGap) {
+      OnGap(actions);
     }
     if (connection_.CollectUnread()) {
       shared_.CountPeerFault(PacketFault::kOverrun, endpoint(),
                              "it does not read the answers to its messages, so the connection is closed for 5 s. Find "
                              "the program");
-      LosePublisher("it does not read", true, actions);
-      connection_.Abort(kPauseAfterFault);
-      unfinished_.Watch(-1);
+      AbortConnection("it does not read", true, actions, kPauseAfterFault);
     }
     if (!actions.empty()) inbox_.AddActions(actions);
   }
   return true;
+}
+
+// What comes over a new connection before its Welcome is no gap: it comes again.
+void SubscriberEndpoint::OnGap(Actions& actions) {
+  ReadMonitor(actions);
+  if (end_waits_ || ended_) return;
+  shared_.CountPeerFault(PacketFault::kTopic, endpoint(), "one before it is lost, so the connection is made again");
+  AbortConnection("a message was lost", false, actions);
 }
 
 void SubscriberEndpoint::ReadMonitor(Actions& actions) {
@@ -136,7 +144,6 @@ void SubscriberEndpoint::ReadMonitor(Actions& actions) {
 
 void SubscriberEndpoint::TakeEnd(Actions& actions) {
   if (!std::exchange(end_waits_, false)) return;
-  sessions_ = 0;
   channels_.SetPlain(false);
   LosePublisher("the connection was closed", false, actions);
 }
@@ -146,9 +153,10 @@ void SubscriberEndpoint::Report(EndpointEvent event, Actions& actions) const {
   actions.emplace_back([report = on_event_, event, who = publisher_.facts.info.id] { report(event, who); });
 }
 
-void SubscriberEndpoint::AbortConnection(Actions& actions) {
-  LosePublisher("it sent more than it had credit for", true, actions);
-  connection_.Abort();
+void SubscriberEndpoint::AbortConnection(std::string_view reason, bool for_good, Actions& actions,
+                                         std::chrono::milliseconds pause) {
+  LosePublisher(reason, for_good, actions);
+  connection_.Abort(pause);
   unfinished_.Watch(-1);
 }
 
@@ -165,9 +173,7 @@ void SubscriberEndpoint::Look(SteadyTime now) {
     if (fault) {
       shared_.CountPeerFault(PacketFault::kOverrun, endpoint(),
                              "the message " + *fault + " The connection is closed, and tried again after 5 s.");
-      LosePublisher("it sent a message that does not end", true, actions);
-      connection_.Abort(kPauseAfterFault);
-      unfinished_.Watch(-1);
+      AbortConnection("it sent a message that does not end", true, actions, kPauseAfterFault);
     } else if (!unfinished_.NextLook()) {
       WaitForBytes();
     }
@@ -230,11 +236,12 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   facts.info.endpoint = endpoint();
   if (publisher_.known() && (publisher_.id() != session || publisher_.facts.incarnation != facts.incarnation)) {
     LosePublisher("another session took its place", true, actions);
+    if (publisher_.id() != session) actions.emplace_back([this, old = publisher_.id()] { replaced_(old); });
     publisher_ = {};
   }
-  if (!publisher_.alive && !NoteSession()) {
+  if (!publisher_.alive && !connection_.NoteSession()) {
     shared_.CountPeerFault(PacketFault::kOverrun, endpoint(),
-                           "more than " + std::to_string(kMostSessions) +
+                           "more than " + std::to_string(PublisherConnection::kMostSessions) +
                                " sessions came and went over one connection in 10 s. The connection is closed, and "
                                "tried again after 5 s. Find the program.");
     connection_.Abort(kPauseAfterFault);
@@ -255,15 +262,6 @@ void SubscriberEndpoint::OnWelcome(SessionId session, const wire::Welcome& welco
   for (const auto& offered : welcome.offers()) publisher_.AddOffer(offered);
   shared_.AddChannelsChanged(actions);
   channels_.AskForAll();
-}
-
-bool SubscriberEndpoint::NoteSession() {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - sessions_since_ >= kSessionsPeriod) {
-    sessions_since_ = now;
-    sessions_ = 0;
-  }
-  return ++sessions_ <= kMostSessions;
 }
 
 void SubscriberEndpoint::OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions) {
@@ -338,6 +336,11 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
     const auto timeout = shared_.options.peer_timeout;
     if (publisher_.alive && now - publisher_.last_heard > timeout) {
       LosePublisher("it was silent for " + std::to_string(timeout.count()) + " ms", false, actions);
+    }
+    if (connection_.IsLeftAlone(now, publisher_.last_heard)) {
+      shared_.log.WriteLimited(LogLevel::kWarning, "zmq left " + endpoint(),
+                               "Nothing comes over the connection to " + endpoint() + " any more. It is made again.");
+      AbortConnection("nothing came over the connection", false, actions);
     }
     if (connection_.connected() && publisher_.known() && connection_.welcomed()) {
       auto message = ControlFrom(shared_.self.info.id);

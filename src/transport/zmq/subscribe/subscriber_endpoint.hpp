@@ -29,13 +29,12 @@ namespace hgros::zmq {
 /// belong to the leading thread; so do `unfinished_`, and `inbox_`, from which it delivers without the mutex.
 class SubscriberEndpoint {
  public:
-  /// How often a session may come over one connection within 10 s. Each is reported to the program, and other threads
-  /// forget what it had. A program that starts again makes a new connection.
-  static constexpr int kMostSessions = 16;
+  using Replaced = std::function<void(SessionId)>;
 
-  /// Connects. `claims_freed` is called without a lock when channels may be asked for at another endpoint.
-  /// Throws Error.
-  SubscriberEndpoint(SharedState& shared, Poller& poller, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed);
+  /// Connects. `claims_freed` is called without a lock when channels may be asked for at another endpoint, and
+  /// `replaced` when another session has taken the place of that one. Throws Error.
+  SubscriberEndpoint(SharedState& shared, Poller& poller, const SubscribeEndpoint& endpoint, ClaimsFreed claims_freed,
+                     Replaced replaced);
   ~SubscriberEndpoint();
 
   /// Adds what is published there.
@@ -82,16 +81,16 @@ class SubscriberEndpoint {
   /// Under the mutex. True if there may be more to read.
   bool ReadBatch();
   void ReadMonitor(Actions& actions);
+  /// A message is missing.
+  void OnGap(Actions& actions);
   /// The end of the connection, once what came before it was read.
   void TakeEnd(Actions& actions);
   void OnControl(const std::vector<Message>& frames, Actions& actions);
   void OnWelcome(SessionId session, const wire::Welcome& welcome, Actions& actions);
-  /// A session comes. False if that happens too often.
-  [[nodiscard]] bool NoteSession();
   void OnHeartbeat(const wire::Heartbeat& heartbeat, Actions& actions);
   /// The publisher exceeds its credit, or is not the session that it claims to be: nothing more is read from this
   /// connection.
-  void AbortConnection(Actions& actions);
+  void AbortConnection(std::string_view reason, bool for_good, Actions& actions, std::chrono::milliseconds pause = {});
   void WaitForBytes() noexcept;
   void LosePublisher(std::string_view reason, bool for_good, Actions& actions);
   void Report(EndpointEvent event, Actions& actions) const;
@@ -100,6 +99,7 @@ class SubscriberEndpoint {
   SharedState& shared_;
   Poller& poller_;
   const std::function<void(EndpointEvent, SessionId)> on_event_;
+  const Replaced replaced_;
   mutable std::mutex mutex_;
   PublisherConnection connection_;
   const LentFlag lent_input_{shared_.input_flags};
@@ -111,8 +111,6 @@ class SubscriberEndpoint {
   RemotePublisher publisher_;
   bool end_waits_ = false;  // The connection has ended; what came before it is still being read.
   bool ended_ = false;      // The connection, while what came over it is still being read.
-  SteadyTime sessions_since_{};
-  int sessions_ = 0;  // That have come over this connection since then.
   SubscribedChannels channels_;
   UnfinishedMessage unfinished_{shared_.options.max_message_bytes};
   Actions last_;  // Called when the inbox of the closed endpoint is empty.

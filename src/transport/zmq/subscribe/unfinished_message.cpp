@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "hgros/base/memory_room.hpp"
-#include "transport/zmq/endpoint.hpp"
+#include "transport/zmq/connection.hpp"
 
 namespace hgros::zmq {
 namespace {

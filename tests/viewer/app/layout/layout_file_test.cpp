@@ -1,6 +1,7 @@
 #include "viewer/app/layout/layout_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -8,6 +9,9 @@
 #include <fstream>
 #include <limits>
 #include <random>
+#include <string>
+
+#include "hgros/base/error.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -129,6 +133,19 @@ TEST(LayoutFile, ReportsLineAndFixOfEachError) {
   }
 }
 
+TEST(LayoutFile, IsNoPipeForWhichTheReaderWouldWait) {
+  const auto file = std::filesystem::temp_directory_path() / ("layout_pipe_test_" + std::to_string(getpid()));
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  std::string fault;
+  try {
+    (void)LoadLayout(file);
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  std::filesystem::remove(file);
+  EXPECT_NE(fault.find("is a pipe or a device. Name a regular file."), std::string::npos) << fault;
+}
+
 TEST(LayoutFile, IsWrittenCompletelyOrNotAtAll) {
   const auto folder = std::filesystem::temp_directory_path() / ("layout_file_test_" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
@@ -137,7 +154,8 @@ TEST(LayoutFile, IsWrittenCompletelyOrNotAtAll) {
   EXPECT_EQ(LoadLayout(file), FullLayout());
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "no other file is beside it";
   std::filesystem::remove_all(folder);
-  EXPECT_NE(SaveLayout(FullLayout(), file).find("its folder"), std::string::npos);
+  EXPECT_EQ(SaveLayout(FullLayout(), file),
+            "The layout cannot be written to " + file.string() + ": No such file or directory.");
 }
 
 }  // namespace

@@ -180,7 +180,7 @@ TEST(SceneStore, LimitsTheTotalNumberOfShapes) {
     entity.set_id(id);
     auto& line = *entity.add_lines();
     line.add_points();
-    for (int i = 0; i <= count; ++i) line.add_indices(0);
+    line.mutable_indices()->Resize(count + 1, 0);
     return update;
   };
   SceneStore store;

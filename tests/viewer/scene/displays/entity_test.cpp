@@ -359,7 +359,7 @@ TEST_F(EntityDisplayTest, EntitiesTooFarAwayDoNotHideOthers) {
   AddCube(AddEntity(far, "as far"), 9e307, 9e307);
   AddCube(AddEntity(far, "in a far frame"), 0, 0);
   far.mutable_entities(2)->set_frame_id("nowhere");
-  tree_.SetStatic("map", "nowhere", RigidTransform({1, 0, 0, 0}, {9e307, 0, 0}));
+  tree_.SetStatic("map", "nowhere", RigidTransform({1, 0, 0, 0}, {9e11, 0, 0}));
   transforms_changed_ = true;
   Publish("scene", far);
   Update(1);

@@ -1,3 +1,5 @@
+#include "transport/shm/pair_inbox.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
@@ -6,7 +8,6 @@
 
 #include "conformance/transport_conformance.hpp"
 #include "transport/shm/memory/lane_writer.hpp"
-#include "transport/shm/pair_inbox.hpp"
 
 namespace hgros::shm {
 namespace {

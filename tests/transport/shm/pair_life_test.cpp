@@ -10,7 +10,7 @@
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/shm_transport.hpp"
 #include "support/await.hpp"
-#include "transport/shm_false_peer.hpp"
+#include "transport/shm/false_peer.hpp"
 
 namespace hgros::shm {
 namespace {

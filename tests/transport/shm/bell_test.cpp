@@ -1,7 +1,12 @@
+#include "transport/shm/memory/bell.hpp"
+
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <csignal>
 #include <future>
 #include <random>
 #include <string>
@@ -9,7 +14,6 @@
 #include <vector>
 
 #include "support/await.hpp"
-#include "transport/shm/memory/bell.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -28,7 +32,9 @@ struct Ringer {
 };
 
 /// Each ringer rings again only after its last ring was seen. So it stops if one ring is lost.
-void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool visited = false) {
+enum class Visitor { kNone, kLooks, kWaitsFirst };
+
+void RingAndWait(Patience patience, int ringers, int waiters, int rounds, Visitor visitor = Visitor::kNone) {
   SessionBell bell(patience);
   std::vector<std::atomic<int>> seen(static_cast<std::size_t>(ringers));
   std::atomic<bool> stop{false};
@@ -44,7 +50,7 @@ void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool v
   }
   // A visitor looks for a moment from time to time and takes nothing. At the end of its look it wakes a thread that
   // has gone to sleep meanwhile.
-  if (visited) {
+  if (visitor == Visitor::kLooks) {
     threads.emplace_back([&] {
       while (!stop) {
         if (bell.BeginLooking()) {
@@ -53,6 +59,18 @@ void RingAndWait(Patience patience, int ringers, int waiters, int rounds, bool v
         }
         std::this_thread::yield();
       }
+    });
+  }
+  // Another one sleeps, takes what it was woken for, and then lets the others wait for a moment.
+  if (visitor == Visitor::kWaitsFirst) {
+    threads.emplace_back([&] {
+      while (!stop) {
+        (void)bell.WaitFirst([&] { return stop.load(); }, std::chrono::steady_clock::time_point::max());
+        (void)bell.CollectRings([&](std::uint32_t number) { ++seen[number]; });
+        bell.EndLooking();
+        std::this_thread::yield();
+      }
+      bell.Wake();
     });
   }
   std::atomic<int> done{0};
@@ -86,9 +104,84 @@ TEST(ShmBell, NoRingIsLostWhileWaitersSpin) {
 
 TEST(ShmBell, NoRingIsLostWhileAVisitorLooksAtTimes) {
   for (const int waiters : {1, 2}) {
-    RingAndWait({}, 2, waiters, 1500, true);
-    RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500, true);
+    RingAndWait({}, 2, waiters, 1500, Visitor::kLooks);
+    RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500, Visitor::kLooks);
   }
+}
+
+TEST(ShmBell, NoRingIsLostWhileOneThreadWaitsFirst) {
+  for (const int ringers : {1, 3}) {
+    for (const int waiters : {0, 1, 2}) RingAndWait({}, ringers, waiters, 1500, Visitor::kWaitsFirst);
+  }
+}
+
+constexpr auto kForever = std::chrono::steady_clock::time_point::max();
+
+TEST(ShmBell, ARingWakesTheThreadThatWaitsFirstAndNoOther) {
+  SessionBell bell({});
+  std::atomic<int> others{0}, first{0};
+  std::atomic<bool> stop{false};
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 2; ++i) {
+    threads.emplace_back([&] {
+      while (!stop) {
+        bell.Wait();
+        if (bell.CollectRings([](std::uint32_t) {})) ++others;
+      }
+      bell.Wake();
+    });
+  }
+  threads.emplace_back([&] {
+    while (!stop) {
+      (void)bell.WaitFirst([&] { return stop.load(); }, kForever);
+      if (bell.CollectRings([](std::uint32_t) {})) ++first;
+    }
+    bell.Wake();  // What was for the others may have woken this one.
+  });
+  const Ringer ringer(bell, 1);
+  for (int round = 1; round <= 200; ++round) {
+    test::Linger(std::chrono::milliseconds(1));  // All sleep by then, if the machine is not busy.
+    ringer.peer->Ring();
+    ASSERT_TRUE(Await([&] { return first + others == round; })) << round;
+  }
+  EXPECT_GT(first, others);
+  stop = true;
+  bell.WakeFirst();
+  bell.Wake();
+}
+
+TEST(ShmBell, WaitingFirstEndsByWakeFirstAtItsTimeAndAfterASignal) {
+  SessionBell bell({});
+  EXPECT_TRUE(bell.WaitFirst([] { return true; }, kForever));
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(5);
+  EXPECT_TRUE(bell.WaitFirst([] { return false; }, until));
+  EXPECT_GE(std::chrono::steady_clock::now(), until);
+  EXPECT_TRUE(bell.WaitFirst([] { return false; }, std::chrono::steady_clock::now() - std::chrono::seconds(1)));
+
+  std::atomic<bool> ends{false}, undisturbed{false};
+  std::jthread waiter([&] {
+    while (!ends) undisturbed = bell.WaitFirst([&] { return ends.load(); }, kForever);
+  });
+  test::Linger(std::chrono::milliseconds(20));
+  ends = true;
+  bell.WakeFirst();
+  waiter.join();
+  EXPECT_TRUE(undisturbed);
+
+  struct sigaction action {};
+  struct sigaction old {};
+  action.sa_handler = [](int) {};
+  sigaction(SIGUSR1, &action, &old);
+  std::atomic<bool> disturbed{false};
+  waiter = std::jthread([&] {
+    while (!disturbed) disturbed = !bell.WaitFirst([] { return false; }, kForever);
+  });
+  EXPECT_TRUE(Await([&] {
+    pthread_kill(waiter.native_handle(), SIGUSR1);
+    return disturbed.load();
+  }));
+  waiter.join();
+  sigaction(SIGUSR1, &old, nullptr);
 }
 
 TEST(ShmBell, NextRingWakesTheSleeperIfAPeerDiedBeforeItsWakeUp) {

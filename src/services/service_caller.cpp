@@ -1,4 +1,4 @@
-#include "services/service_client.hpp"
+#include "services/service_caller.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -26,11 +26,11 @@ constexpr auto kTimeToMove = std::chrono::seconds(1);
 
 }  // namespace
 
-ServiceClient::ServiceClient(std::string name, const TypeInfo& request, const TypeInfo& reply,
+ServiceCaller::ServiceCaller(std::string name, const TypeInfo& request, const TypeInfo& reply,
                              const std::shared_ptr<Services>& services)
     : name_(std::move(name)), request_(request), reply_(reply), services_(services) {}
 
-void ServiceClient::Start() {
+void ServiceCaller::Start() {
   const auto services = services_.lock();
   const auto update = [weak = weak_from_this(), desk = services_] {
     if (const auto alive = desk.lock()) {
@@ -59,7 +59,7 @@ void ServiceClient::Start() {
 }
 
 // A reply whose type is known only at run time arrives without its schema, which is added here.
-AnyMessage ServiceClient::AsCall(const AnyMessage& message) const {
+AnyMessage ServiceCaller::AsCall(const AnyMessage& message) const {
   if (!IsAnyType(reply_) && reply_.run_time == nullptr) return message;
   AnyMessage read = message;
   std::shared_ptr<const MessageSchema> schema;
@@ -79,7 +79,7 @@ AnyMessage ServiceClient::AsCall(const AnyMessage& message) const {
   return call;
 }
 
-void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
+void ServiceCaller::OnReply(const CallMessage& reply, const MessageInfo& info) {
   const auto services = services_.lock();
   if (!services || !info.remote || reply.caller != services->id().value) return;
   // The body has this client's type, so the call must belong to this client. Only the call's server may reply.
@@ -91,7 +91,7 @@ void ServiceClient::OnReply(const CallMessage& reply, const MessageInfo& info) {
   services->EndCall(reply, name_);
 }
 
-PublishStatus ServiceClient::PostAndLook(const CallState& call, Services& services) {
+PublishStatus ServiceCaller::PostAndLook(const CallState& call, Services& services) {
   std::optional<PublishStatus> sent;
   const auto post = [&] { sent = Post(call.message); };
   // No other thread receives meanwhile, so a message that takes long to write is excluded.
@@ -110,12 +110,12 @@ PublishStatus ServiceClient::PostAndLook(const CallState& call, Services& servic
   return *sent;
 }
 
-PublishStatus ServiceClient::Post(const std::shared_ptr<const CallMessage>& message) {
+PublishStatus ServiceCaller::Post(const std::shared_ptr<const CallMessage>& message) {
   if (outlet_->subscriber_count() == 0) return PublishStatus::kFull;
   return SendCall(*outlet_, message, request_);
 }
 
-void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
+void ServiceCaller::Send(const std::shared_ptr<CallState>& call) {
   const auto services = services_.lock();
   if (!services || !outlet_) return;
   std::vector<std::shared_ptr<CallState>> ended;  // Released after the lock.
@@ -153,7 +153,7 @@ void ServiceClient::Send(const std::shared_ptr<CallState>& call) {
   });
 }
 
-void ServiceClient::HandOver(ServiceHost& host) {
+void ServiceCaller::HandOver(ServiceHost& host) {
   std::deque<std::shared_ptr<CallState>> waiting;
   {
     const std::scoped_lock lock(mutex_);
@@ -165,7 +165,7 @@ void ServiceClient::HandOver(ServiceHost& host) {
   }
 }
 
-void ServiceClient::AwaitQuickly(const CallState& call) {
+void ServiceCaller::AwaitQuickly(const CallState& call) {
   const std::int64_t usual = usual_ns_.load(std::memory_order_relaxed);
   const auto services = services_.lock();
   if (usual > kSoonNs || !services || !call.has_server()) return;
@@ -174,7 +174,7 @@ void ServiceClient::AwaitQuickly(const CallState& call) {
       [&](ServicePlace& place) { place.Receive({.done = [&call] { return call.done(); }, .until = until}); });
 }
 
-void ServiceClient::Withdraw(const CallState& call) {
+void ServiceCaller::Withdraw(const CallState& call) {
   if (!call.has_server()) return;
   auto message = std::make_shared<CallMessage>();
   message->caller = call.message->caller;
@@ -184,7 +184,7 @@ void ServiceClient::Withdraw(const CallState& call) {
   (void)Post(message);  // If there is no room, the reply arrives and is ignored.
 }
 
-void ServiceClient::Update() {
+void ServiceCaller::Update() {
   const auto services = services_.lock();
   if (!services || !outlet_) return;
   UpdateServers(*services);
@@ -192,7 +192,7 @@ void ServiceClient::Update() {
   EndWithoutServer(*services);
 }
 
-void ServiceClient::UpdateServers(Services& services) {
+void ServiceCaller::UpdateServers(Services& services) {
   // subscriber_count() follows Subscribers() after a short delay, and the outlet sends nothing before. Update() is
   // called again then.
   const bool told = outlet_->subscriber_count() > 0;
@@ -239,12 +239,12 @@ void ServiceClient::UpdateServers(Services& services) {
     });
 }
 
-void ServiceClient::OnEnded(SessionId server) {
+void ServiceCaller::OnEnded(SessionId server) {
   const std::scoped_lock lock(mutex_);
   ended_.push_back({server, ++ends_});
 }
 
-void ServiceClient::EndCallsSoon(Services& services, const Server& server, std::uint64_t end) {
+void ServiceCaller::EndCallsSoon(Services& services, const Server& server, std::uint64_t end) {
   std::vector<std::uint64_t> lost;
   const auto has_lost = [server = server.id, end](const CallState& call) {
     return call.server() == server && call.ends_before() < end;
@@ -267,7 +267,7 @@ void ServiceClient::EndCallsSoon(Services& services, const Server& server, std::
                   });
 }
 
-void ServiceClient::SendWaiting(Services& services) {
+void ServiceCaller::SendWaiting(Services& services) {
   for (;;) {
     std::shared_ptr<CallState> next;
     {
@@ -291,7 +291,7 @@ void ServiceClient::SendWaiting(Services& services) {
   }
 }
 
-void ServiceClient::EndWithoutServer(Services& services) {
+void ServiceCaller::EndWithoutServer(Services& services) {
   std::string misfit;
   {
     const std::scoped_lock lock(mutex_);
@@ -321,7 +321,7 @@ void ServiceClient::EndWithoutServer(Services& services) {
   });
 }
 
-void ServiceClient::EndWaiting(const CallEnd& end) {
+void ServiceCaller::EndWaiting(const CallEnd& end) {
   std::deque<std::shared_ptr<CallState>> waiting;
   {
     const std::scoped_lock lock(mutex_);
@@ -331,13 +331,13 @@ void ServiceClient::EndWaiting(const CallEnd& end) {
   for (const auto& call : waiting) services->calls()->End(call->number, end);
 }
 
-void ServiceClient::EndCallsTo(Services& services, SessionId server, const CallEnd& end) {
+void ServiceCaller::EndCallsTo(Services& services, SessionId server, const CallEnd& end) {
   services.calls()->EndAll([&](const CallState& call) {
     return call.IsOf(*this) && call.server() == server ? std::optional(end) : std::nullopt;
   });
 }
 
-void ServiceClient::OnPeerGone(const PeerInfo& peer, const std::string& reason) {
+void ServiceCaller::OnPeerGone(const PeerInfo& peer, const std::string& reason) {
   const auto services = services_.lock();
   if (!services) return;
   {
@@ -351,7 +351,7 @@ void ServiceClient::OnPeerGone(const PeerInfo& peer, const std::string& reason) 
   Update();
 }
 
-void ServiceClient::OnMisfit(std::string_view channel, SessionId peer, const std::string& sentence) {
+void ServiceCaller::OnMisfit(std::string_view channel, SessionId peer, const std::string& sentence) {
   const auto services = services_.lock();
   if (!services) return;
   if (channel != RequestChannel(name_) && channel != ReplyChannel(name_, services->id())) return;

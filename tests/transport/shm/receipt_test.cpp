@@ -1,3 +1,5 @@
+#include "transport/shm/receipt.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -12,7 +14,6 @@
 
 #include "support/await.hpp"
 #include "transport/shm/memory/lane_writer.hpp"
-#include "transport/shm/receipt.hpp"
 
 namespace hgros::shm {
 namespace {

@@ -1,3 +1,5 @@
+#include "transport/shm/memory/memory.hpp"
+
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -8,8 +10,6 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
-
-#include "transport/shm/memory/memory.hpp"
 
 namespace hgros::shm {
 namespace {

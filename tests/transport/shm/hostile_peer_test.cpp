@@ -19,7 +19,7 @@
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/shm_transport.hpp"
 #include "support/await.hpp"
-#include "transport/shm_false_peer.hpp"
+#include "transport/shm/false_peer.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -392,6 +392,41 @@ TEST_F(HostilePeer, BlocksHeldByALyingPeerStayUntilItsSocketEnds) {
   ASSERT_TRUE(Await([&] { return victim_transport->usage().blocks_in_use == 1; }));
   peer.Hang();
   EXPECT_TRUE(Await([&] { return victim_transport->usage().blocks_in_use == 0; }));
+}
+
+TEST_F(HostilePeer, ASegmentThatAPeerRefusesIsOfferedAgainAfterPausesThatDouble) {
+  FalsePeer peer(place);
+  ASSERT_TRUE(peer.Publish());
+  wire::PairMessage said;
+  said.mutable_wish()->set_link(1);
+  WriteType("news", TextType(), *said.mutable_wish()->mutable_wanted());
+  said.mutable_wish()->set_credit_messages(kSlots);
+  said.mutable_wish()->set_credit_bytes(kSlots * 1000);
+  peer.Say(said);
+  ASSERT_TRUE(peer.ReadUntil(wire::PairMessage::kGranted));
+  std::vector<std::chrono::steady_clock::time_point> offers;
+  std::size_t apart = 0;
+  while (offers.size() < 5 && apart < kSlots) {
+    ASSERT_TRUE(news->PublishSoon(std::string(1000, 'x')));
+    ASSERT_TRUE(peer.ReadUntil([&](const wire::PairMessage& message) {
+      if (message.has_segment_added()) {
+        offers.push_back(std::chrono::steady_clock::now());
+        wire::PairMessage refusal;
+        refusal.mutable_segment_refused()->set_segment(message.segment_added().segment());
+        peer.Say(refusal);
+      }
+      return message.has_payload();
+    }));
+    ++apart;
+    test::Linger(std::chrono::milliseconds(5));
+  }
+  ASSERT_EQ(offers.size(), 5U);
+  EXPECT_GE(apart, offers.size()) << "each message comes";
+  for (std::size_t i = 1; i < offers.size(); ++i) {
+    EXPECT_GE(offers[i] - offers[0], ((1 << i) - 1) * Options(SessionId{}, {}).heartbeat) << i;
+  }
+  peer.SayRaw(std::string(100, '\xff'));
+  ExpectEnd(peer, "a frame of");
 }
 
 TEST_F(HostilePeer, FalseReportsOfTooLargeMessagesEndThePair) {

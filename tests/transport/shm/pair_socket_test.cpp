@@ -1,3 +1,5 @@
+#include "transport/shm/pair/pair_socket.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -16,7 +18,6 @@
 #include "hgros/base/system_limits.hpp"
 #include "support/await.hpp"
 #include "support/no_descriptors.hpp"
-#include "transport/shm/pair/pair_socket.hpp"
 
 namespace hgros::shm {
 namespace {

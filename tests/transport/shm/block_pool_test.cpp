@@ -1,3 +1,5 @@
+#include "transport/shm/memory/block_pool.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,7 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "transport/shm/memory/block_pool.hpp"
 #include "transport/shm/memory/layout.hpp"
 
 namespace hgros::shm {

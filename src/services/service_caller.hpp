@@ -28,9 +28,9 @@ class Services;
 // Thread safety: all functions; Update(), OnPeerGone() and OnMisfit() on the services' thread only.
 // Invariants: a call's server is set under mutex_ from servers_. When a server is removed from servers_, its calls are
 // ended afterwards, so no call waits for a server that has left.
-class ServiceClient : public std::enable_shared_from_this<ServiceClient> {
+class ServiceCaller : public std::enable_shared_from_this<ServiceCaller> {
  public:
-  ServiceClient(std::string name, const TypeInfo& request, const TypeInfo& reply,
+  ServiceCaller(std::string name, const TypeInfo& request, const TypeInfo& reply,
                 const std::shared_ptr<Services>& services);
 
   // Wires it. Throws Error.

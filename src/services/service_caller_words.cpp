@@ -1,10 +1,10 @@
-// The part of ServiceClient that tells people what is wrong with the servers.
+// The part of ServiceCaller that tells people what is wrong with the servers.
 #include <algorithm>
 #include <utility>
 
 #include "hgros/base/names.hpp"
 #include "hgros/services/services.hpp"
-#include "services/service_client.hpp"
+#include "services/service_caller.hpp"
 
 namespace hgros {
 namespace {
@@ -14,7 +14,7 @@ constexpr auto kSuggestionLasts = std::chrono::seconds(1);
 
 }  // namespace
 
-void ServiceClient::SayIfTwoServe(std::chrono::steady_clock::time_point second) {
+void ServiceCaller::SayIfTwoServe(std::chrono::steady_clock::time_point second) {
   const auto services = services_.lock();
   std::unique_lock lock(mutex_);
   const std::vector<Server> servers = servers_;
@@ -30,7 +30,7 @@ void ServiceClient::SayIfTwoServe(std::chrono::steady_clock::time_point second) 
   });
 }
 
-void ServiceClient::SayIfCallsWait(bool said) {
+void ServiceCaller::SayIfCallsWait(bool said) {
   const auto services = services_.lock();
   if (!services) return;
   std::chrono::nanoseconds longest{0};
@@ -55,7 +55,7 @@ void ServiceClient::SayIfCallsWait(bool said) {
   });
 }
 
-std::string ServiceClient::Suggestion() {
+std::string ServiceCaller::Suggestion() {
   const auto now = std::chrono::steady_clock::now();
   const std::scoped_lock lock(suggestion_mutex_);
   if (suggested_at_ && now - *suggested_at_ < kSuggestionLasts) return suggestion_;
