@@ -69,6 +69,7 @@ int Main(std::vector<std::string> words) {
       return words.empty() ? kWrongUsage : kDone;
     }
     if (words.front() == "--version") {
+      if (words.size() > 1) throw UsageError("--version takes nothing else, but there is \"" + words[1] + "\".");
       console.Line("hgros " HGROS_VERSION);
       return kDone;
     }

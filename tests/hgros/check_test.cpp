@@ -135,6 +135,17 @@ TEST(HgrosCheck, TellsWhatMayEnterButDoesNotLeave) {
               ElementsAre(HasSubstr("Add it at robot.yaml:1, or remove it here.")));
 }
 
+TEST(HgrosCheck, TakesNoKeyWithSpacesForASectionOfTheProgram) {
+  ConfigFiles files;
+  for (const char* const yaml : {"network:\r  heartbeat_ms: 5\r", "\u00a0network: {heartbeat_ms: 5}\n",
+                                 "\u2003network_of_mine: {}\n", "my section: {}\n"}) {
+    files.Add("robot.yaml", yaml);
+    EXPECT_THAT(files.Findings({"robot.yaml"}), ElementsAre(HasSubstr("fault: Unknown key"))) << yaml;
+  }
+  files.Add("robot.yaml", "größe: {}\n");
+  EXPECT_THAT(files.Findings({"robot.yaml"}), IsEmpty());
+}
+
 // Comparing all names with all others would take minutes.
 TEST(HgrosCheck, EndsSoonForLongListsThatHaveNothingInCommon) {
   constexpr std::size_t kMany = 2000;

@@ -104,5 +104,12 @@ TEST(HgrosVersion, IsThatOfTheProject) {
   EXPECT_THAT(RunToEnd({"--version"}).out, testing::MatchesRegex("hgros [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
+TEST(HgrosVersion, StandsAlone) {
+  const CommandEnd end = RunToEnd({"--version", "extra"});
+  EXPECT_EQ(end.status, 2);
+  EXPECT_EQ(end.out, "");
+  EXPECT_THAT(end.err, testing::HasSubstr("--version takes nothing else, but there is \"extra\"."));
+}
+
 }  // namespace
 }  // namespace hgros::cli

@@ -28,9 +28,12 @@ TEST(HgrosComponents, ListsInstalledOnes) {
             "moving/Counting               number                  1  libhgros_test_moving.so\n"
             "moving/Judging   passed, ask                          0  libhgros_test_moving.so\n"
             "moving/Passing   number       passed     count        3  libhgros_test_moving.so\n"
+            "moving/Slow      number                               0  libhgros_test_moving.so\n"
+            "moving/Source                 number                  0  libhgros_test_moving.so\n"
             "relay/Checker    number                               1  libhgros_test_relay.so\n"
             "relay/Counter    word         count                   3  libhgros_test_relay.so\n"
             "relay/Does                                            1  libhgros_test_relay.so\n"
+            "relay/Frames                                          3  libhgros_test_relay.so\n"
             "relay/Numbers                 number                  1  libhgros_test_relay.so\n"
             "relay/Pose       number                               0  libhgros_test_relay.so\n"
             "words/Counter    word         count      reset        1  libhgros_test_words.so\n"
@@ -45,7 +48,9 @@ TEST(HgrosComponents, ShowsAllAboutOne) {
                              HasSubstr("250 ms"), HasSubstr("reset")));
   const CommandEnd json = RunToEnd({"components", "words/Counter", "--json"}, kInstalled);
   EXPECT_THAT(json.out, AllOf(HasSubstr("\"name\":\"words/Counter\""), HasSubstr("\"state\":\"foxglove.KeyValuePair\""),
-                              HasSubstr("\"period_ns\":250000000")));
+                              HasSubstr("\"period_ns\":250000000"), HasSubstr("\"transforms\":false")));
+  const CommandEnd frames = RunToEnd({"components", "relay/Frames"}, kInstalled);
+  EXPECT_THAT(frames.out, HasSubstr("Transforms          sets or looks them up")) << frames.err;
 }
 
 TEST(HgrosComponents, NamesTheNearestOfAnUnknownOne) {

@@ -50,6 +50,21 @@ TEST(HgrosList, ShowsOverWhichTransportsMessagesGo) {
       << line();
 }
 
+TEST(HgrosList, WaitsForSessionsThatOnlyBeaconsFind) {
+  const RobotForCommands robot;
+  const std::string discovery = "discovery: {local: false, lan: {interfaces: [lo]}}";
+  auto environment = robot.environment();
+  setenv("HGROS_DOMAIN", environment.at("HGROS_DOMAIN").c_str(), 1);
+  Session there(Config::Parse(discovery + "\nnetwork: {publisher: {ip: 'tcp://127.0.0.1:*'}}"));
+  const auto publish = there.Advertise<Log>("status");
+  environment["HGROS_CONFIG"] = discovery;
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"list"}, {"info", "status"}}) {
+    EXPECT_TRUE(test::Await([&] {
+      return RunToEnd(command, environment).out.find("foxglove.Log") != std::string::npos;
+    })) << command[0];
+  }
+}
+
 TEST(HgrosList, CountsSubscribersThatOnlyThePublisherKnows) {
   const RobotForCommands robot;
   const std::string domain = robot.environment().at("HGROS_DOMAIN");

@@ -154,6 +154,19 @@ TEST(HgrosDelay, ShowsTheTransportAndTheQueueOfEachReceiver) {
   EXPECT_LT(NumberIn(received[0], "delay_min_ns"), 1e9);
 }
 
+TEST(HgrosDelay, SaysThatNobodyReceives) {
+  TickingRobot ticking;
+  const CommandEnd end = ticking.robot.Run(Patiently({"delay", "tick", "-n", "2"}));
+  EXPECT_EQ(end.status, 1);
+  EXPECT_EQ(end.err, "hgros: Nobody counts this of tick now. --receive measures what arrives here.\n");
+}
+
+TEST(HgrosHz, RefusesNamesThatNoChannelCanHave) {
+  const CommandEnd end = RunToEnd({"hz", std::string(3000, 'x')});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.err, HasSubstr("it has 3000 bytes, more than 200"));
+}
+
 TEST(HgrosDelay, DoesNotCountLatchedMessagesFromBefore) {
   RobotForCommands robot;
   const auto publish = robot.session().Advertise<Log>("status", {.latched = 1});

@@ -13,6 +13,7 @@
 
 #include "hgros/command_run.hpp"
 #include "hgros/help_examples.hpp"
+#include "hgros/session/clock_publisher.hpp"
 #include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {
@@ -80,6 +81,18 @@ TEST_F(HgrosTf, ShowsTheTreeWithRatesAndPublishers) {
   ASSERT_EQ(json.size(), 5U);
   EXPECT_EQ(json[2],
             R"({"frame":"laser","parent":"base","kind":"static","rate_hz":null,"age_ns":null,"publisher":"robot"})");
+}
+
+TEST_F(HgrosTf, AgesAreTimeOfTheClockThatTheRobotPublishes) {
+  const auto clock = SimulatedClock::Paused(Time{5'000'000'000});
+  const ClockPublisher publishes(robot_->session(), clock);
+  const NodeTimer moves = robot_->session().CreateTimer("gripper", std::chrono::milliseconds(20), [this](const Tick&) {
+    transforms_->ToTF(Time{3'000'000'000}, "dock", "gripper", Shift(1));
+  });
+  const CommandEnd end = RunUntil({"tf", "tree", "--json"}, [](const CommandEnd& one) {
+    return one.out.find(R"("frame":"gripper")") != std::string::npos;
+  });
+  EXPECT_THAT(end.out, HasSubstr(R"("age_ns":2000000000)"));
 }
 
 TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnother) {
@@ -161,11 +174,12 @@ TEST_F(HgrosTf, RunsItsExamples) {
   }
 }
 
-TEST(HgrosTfAlone, EndsAtOnceWhenNothingRuns) {
+TEST(HgrosTfAlone, EndsAtOnceWhenNothingSendsTransforms) {
   const RobotForCommands robot;
   const CommandEnd tree = robot.Run({"tf", "tree"});
   EXPECT_EQ(tree.status, 0);
-  EXPECT_EQ(tree.out + tree.err, "");
+  EXPECT_EQ(tree.out, "");
+  EXPECT_EQ(tree.err, "hgros: No session sends transforms. Sessions of other hosts are met with --connect.\n");
   const CommandEnd echo = robot.Run({"tf", "echo", "a", "b", "--timeout", "0.1"});
   EXPECT_EQ(echo.status, 3);
   EXPECT_EQ(echo.err, "hgros: No session sends transforms.\n");

@@ -68,11 +68,21 @@ void AddEndpoints(const Document& document, DescribedProcess& process) {
   }
 }
 
+// Programs name their sections without spaces, those of Unicode included: a key with one is a mistake.
+bool MayBeOfProgram(std::string_view key) {
+  constexpr std::string_view kNoBreakSpace = "\u00a0";
+  constexpr std::string_view kOtherSpaces = "\xe2\x80";  // U+2000 to U+203F
+  return std::ranges::none_of(key, [](char c) { return static_cast<unsigned char>(c) <= 0x20 || c == 0x7f; }) &&
+         key.find(kNoBreakSpace) == std::string_view::npos && key.find(kOtherSpaces) == std::string_view::npos;
+}
+
 void AddProgramSections(const Document& document, std::vector<std::string>& sections, FileFindings& findings) {
   const std::vector<std::string> known = ConfigSections();
   for (const Node::Entry& entry : document.root().entries) {
     const std::string& key = entry.key->text;
-    if (std::ranges::find(known, key) != known.end() || !NearestName(key, known).empty()) continue;
+    if (std::ranges::find(known, key) != known.end() || !NearestName(key, known).empty() || !MayBeOfProgram(key)) {
+      continue;
+    }
     findings.push_back({Severity::kNote, "section", document.PositionOf(*entry.key),
                         "\"" + key + "\" is taken for a section of the program's own.",
                         "Give --section " + key + " to allow only sections that are named."});

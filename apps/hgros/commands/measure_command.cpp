@@ -4,7 +4,9 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <utility>
 
+#include "hgros/base/names.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -42,6 +44,7 @@ void MeasureCommand::Declare(Arguments& arguments) {
 }
 
 int MeasureCommand::Run(Surroundings& surroundings) {
+  for (const std::string& name : channels_) RequireChannelName(name);
   Robot robot(robot_options_, surroundings);
   return receive_ ? Receive(robot) : Count(robot);
 }
@@ -53,12 +56,23 @@ int MeasureCommand::Count(Robot& robot) {
   robot.SayUnpublished(channels_);
   const auto start = steady_clock::now();
   const auto end = start + robot_options_.Timeout(std::chrono::hours(24 * 365));
+  bool first = true;
   return EverySecond(robot.surroundings().pause, count_.value_or(0), start, end, [&] {
     const AllCounters counters = robot.Counters();
     const std::vector<KnownChannel> channels = robot.Channels(true);
     const std::size_t before = records.size();
-    for (const std::string& name : channels_) AddCounted(console, records, counters, ChannelNamed(channels, name));
+    std::string uncounted;
+    for (const std::string& name : channels_) {
+      const KnownChannel channel = ChannelNamed(channels, name);
+      const std::size_t before_it = records.size();
+      AddCounted(console, records, counters, channel);
+      if (records.size() > before_it || channel.publishers.empty()) continue;
+      uncounted += (uncounted.empty() ? "" : ", ") + Visible(name);
+    }
     records.End();
+    if (std::exchange(first, false) && !uncounted.empty()) {
+      console.Say("Nobody counts this of " + uncounted + " now. --receive measures what arrives here.");
+    }
     return records.size() > before;
   });
 }

@@ -18,6 +18,16 @@ namespace {
 constexpr std::int64_t kLargeOffsetNs = 1'000'000;
 constexpr std::string_view kSharedMemory = "shared memory";  // As PeerInfo::transport has it.
 
+// `why`: PeerInfo::why.
+std::string AdviceFor(std::string_view why) {
+  if (why == "not found on this host") {
+    return "Run both as one user in one domain and, in containers, with one /dev/shm, network namespace and "
+           "XDG_RUNTIME_DIR.";
+  }
+  if (why == "discovery on this host is off") return "Set `discovery: {local: true}` in the files of both.";
+  return "The warning \"does not reach it\" in their logs names what is in the way.";
+}
+
 void CheckTransports(const Evidence& evidence, Findings& findings) {
   std::set<std::pair<SessionId, SessionId>> said;
   for (const auto& [session, snapshot] : evidence.after) {
@@ -35,8 +45,7 @@ void CheckTransports(const Evidence& evidence, Findings& findings) {
       findings.push_back({Severity::kWarning, "transport",
                           fmt::format("{} and {} are on one host, but exchange messages over {}: {}.",
                                       evidence.NameOf(session), evidence.NameOf(other), peer.transport(), peer.why()),
-                          "Run both as one user in one domain and, in containers, with one /dev/shm, network namespace "
-                          "and XDG_RUNTIME_DIR."});
+                          AdviceFor(peer.why())});
     }
   }
 }

@@ -14,7 +14,9 @@ using Move = RunOrder::Move;
 
 constexpr std::chrono::seconds kUsersPatience{10};
 constexpr std::chrono::seconds kCallbackPatience{1};
+constexpr std::chrono::seconds kDroppedPatience{5};     // Until its queues are empty; the starter waits for 10 s.
 constexpr std::chrono::milliseconds kUsersPause{2};     // While channels join.
+constexpr std::chrono::milliseconds kLookPause{500};    // Some may have gone since they were counted.
 constexpr std::chrono::milliseconds kReaderPause{10};   // While the starter reads too slowly.
 constexpr std::chrono::milliseconds kPassingPause{10};  // Until messages come to the new place by themselves.
 
@@ -123,7 +125,8 @@ void ComponentMoves::Look(const std::string& name) {
     leaving_[name].any_type[input.node] = input.type.empty();
     Move::Users& users = *move.add_users();
     users.set_channel(input.channel);
-    users.set_publishers(PublishersOf(session_, input.channel));
+    const bool here = LeavingComponent::HasPublisherHere(hosted_.components(), name, input.channel);
+    users.set_publishers(PublishersOf(session_, input.channel) + (here ? 1 : 0));
   }
   reports_.Tell(report);
 }
@@ -134,9 +137,11 @@ void ComponentMoves::Hold(const Move& order) {
   if (!hosted_.Runs(name)) throw Error("It does not run any more.");
   auto place = std::make_unique<LeavingComponent>(hosted_.components(), name, [this] { reports_.Wake(); });
   const MovingState moving = place->Hold(kCallbackPatience, SessionId{order.session()});
-  if (moving.state->data.bytes.size() > kMostStateBytes) {
-    throw Error("Its state has " + std::to_string(moving.state->data.bytes.size()) + " bytes, and the most are " +
-                std::to_string(kMostStateBytes) + ".");
+  std::size_t bytes = moving.state->data.bytes.size();
+  for (const MovingLatched& latched : moving.latched) bytes += latched.data.bytes.size();
+  if (bytes > kMostStateBytes) {
+    const std::string what = moving.latched.empty() ? "Its state has " : "Its state and what it has latched have ";
+    throw Error(what + std::to_string(bytes) + " bytes, and the most are " + std::to_string(kMostStateBytes) + ".");
   }
   one.place = std::move(place);
   RunReport report = ReportOf(name, Move::HOLD);
@@ -148,7 +153,9 @@ ComponentMoves::Clock::time_point ComponentMoves::HandOver(const std::string& na
   while (!reports_.full()) {
     const std::optional<MovingMessage> message = one.place->Next();
     if (!message) {
-      if (!one.dropped && !one.place->all_passed()) return Clock::now() + kPassingPause;
+      const bool ends =
+          one.dropped_until ? Clock::now() >= *one.dropped_until || !one.place->has_more() : one.place->all_passed();
+      if (!ends) return Clock::now() + kPassingPause;
       EndLeaving(name);
       return Clock::time_point::max();
     }
@@ -181,7 +188,7 @@ void ComponentMoves::EndLeaving(const std::string& name) {
 
 void ComponentMoves::Drop(const std::string& name) {
   if (const auto leaving = leaving_.find(name); leaving != leaving_.end()) {
-    leaving->second.dropped = true;
+    leaving->second.dropped_until = Clock::now() + kDroppedPatience;
     return;
   }
   if (arriving_.erase(name) > 0) hosted_.Forget(name);
@@ -191,9 +198,9 @@ void ComponentMoves::Drop(const std::string& name) {
 
 void ComponentMoves::Receive(const Move& order) {
   const std::string& name = order.component();
-  if (const auto arriving = arriving_.find(name); arriving != arriving_.end()) {  // It need not wait any more.
-    arriving->second.awaited.clear();
-    arriving->second.deadline = Clock::now();
+  if (const auto arriving = arriving_.find(name); arriving != arriving_.end()) {
+    const bool waits = arriving->second.deadline != Clock::time_point::max();
+    if (waits || order.users().empty()) SetAwaited(order, arriving->second);  // Others, or none any more.
     return;
   }
   if (leaving_.contains(name)) EndLeaving(name);  // Of a move that has been given up.
@@ -203,14 +210,26 @@ void ComponentMoves::Receive(const Move& order) {
   const ComponentSetup setup = hosted_.Expect(*component, KeptOf(order));
   Arriving one;
   one.place = std::make_unique<ArrivingComponent>(hosted_.components(), setup, [this] { reports_.Wake(); });
-  one.awaited.assign(order.users().begin(), order.users().end());
-  for (Move::Users& users : one.awaited) {  // The old place counts this session; it does not count itself.
+  one.deadline = Clock::now() + kUsersPatience;
+  SetAwaited(order, one);
+  arriving_[name] = std::move(one);
+}
+
+void ComponentMoves::SetAwaited(const Move& order, Arriving& one) {
+  std::vector<Move::Users> awaited(order.users().begin(), order.users().end());
+  for (Move::Users& users : awaited) {  // The old place counts this session; it does not count itself.
     if (users.publishers() > 0 && one.place->HasPublisherHere(users.channel())) {
       users.set_publishers(users.publishers() - 1);
     }
+    // Counted again, some have gone; those that have come may be this session.
+    const auto before = std::ranges::find(one.awaited, users.channel(), &Move::Users::channel);
+    if (before == one.awaited.end()) continue;
+    users.set_subscribers(std::min(users.subscribers(), before->subscribers()));
+    users.set_publishers(std::min(users.publishers(), before->publishers()));
   }
-  one.deadline = Clock::now() + kUsersPatience;
-  arriving_[name] = std::move(one);
+  one.awaited = std::move(awaited);
+  if (one.awaited.empty()) one.deadline = Clock::now();
+  one.look_again = Clock::now() + kLookPause;
 }
 
 bool ComponentMoves::Joined(const Arriving& one, std::string& lacks) const {
@@ -239,7 +258,13 @@ ComponentMoves::Clock::time_point ComponentMoves::Await(const std::string& name,
     reports_.Tell(report);
     return Clock::time_point::max();
   }
-  if (Clock::now() < one.deadline) return Clock::now() + kUsersPause;
+  if (Clock::now() < one.deadline) {
+    if (Clock::now() >= one.look_again) {
+      one.look_again = Clock::time_point::max();
+      reports_.Tell(ReportOf(name, Move::LOOK));
+    }
+    return Clock::now() + kUsersPause;
+  }
   Drop(name);
   Tell(name, Move::FAILED, lacks);
   return Clock::now();

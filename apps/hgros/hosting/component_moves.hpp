@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,20 +38,22 @@ class ComponentMoves {
     std::unique_ptr<LeavingComponent> place{};  // Once it is held.
     std::map<std::string, bool> any_type{};     // By input.
     bool left = false;
-    bool dropped = false;    // It waits for no publisher any more.
-    std::uint64_t lost = 0;  // Messages.
+    std::optional<Clock::time_point> dropped_until{};  // It waits for no publisher any more, and ends by then.
+    std::uint64_t lost = 0;                            // Messages.
     std::uint64_t attempt = 0;
   };
   struct Arriving {
     std::unique_ptr<ArrivingComponent> place;
     std::vector<RunOrder::Move::Users> awaited;  // Before it is ready.
     Clock::time_point deadline;
+    Clock::time_point look_again = Clock::time_point::max();
     bool begun = false;
   };
 
   void Do(const RunOrder::Move& order);
   void Look(const std::string& name);
   void Receive(const RunOrder::Move& order);
+  static void SetAwaited(const RunOrder::Move& order, Arriving& one);
   void Hold(const RunOrder::Move& order);
   void Restore(const RunOrder::Move& order);
   void Begin(const std::string& name);

@@ -21,6 +21,8 @@ class ComponentReports {
   virtual void Line(std::string_view component, LogLevel level, std::string_view text) = 0;
   /// Lets the thread of HostedComponents call Work().
   virtual void Wake() noexcept = 0;
+  /// Waits until all that was told has arrived, or nothing of it for a second.
+  virtual void Flush() noexcept = 0;
   /// Whether reports are not taken fast enough.
   [[nodiscard]] virtual bool full() = 0;
 };

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hgros/base/bytes.hpp"
+#include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -112,9 +113,15 @@ HostedComponents::Clock::time_point HostedComponents::Work() {
 // --- checkpoints ---
 
 void HostedComponents::SaveAll() {
+  RunReport saving;
+  saving.set_stage(RunReport::SAVING);
   for (auto& [name, one] : hosted_) {
-    if (one.save_at != Clock::time_point::max()) Save(one);
+    if (one.save_at == Clock::time_point::max()) continue;
+    reports_.Tell(saving);
+    reports_.Flush();  // For a state on the way.
+    Save(one);
   }
+  reports_.Flush();  // What comes next may hang.
 }
 
 void HostedComponents::Save(Hosted& one) {
@@ -196,6 +203,20 @@ bool HostedComponents::PlanRestart(Hosted& one, const ComponentStatus& status) {
   return true;
 }
 
+// Between hosts pass the channels that constructors have declared.
+void HostedComponents::SayUndeclared(const std::string& name) {
+  const auto passes = [](const auto& endpoints) {
+    return std::ranges::any_of(endpoints, [](const EndpointConfig& one) {
+      return one.all_channels || std::ranges::binary_search(one.channels, kTransformsChannel);
+    });
+  };
+  if (robot_.hosts.size() < 2 || passes(process_.config.publishers) || passes(process_.config.subscribers)) return;
+  reports_.Line(
+      name, LogLevel::kWarning,
+      "It uses transforms, but its constructor did not ask for them, so they do not pass between the hosts of "
+      "the robot. Take them from the context in the constructor, and keep them.");
+}
+
 void HostedComponents::Note(const ComponentStatus& status) {
   RunReport report;
   RunReport::Component& component = *report.mutable_component();
@@ -204,6 +225,7 @@ void HostedComponents::Note(const ComponentStatus& status) {
   component.set_sentence(status.sentence);
   component.set_exceptions(status.exceptions);
   bool given_up = false;
+  bool undeclared = false;
   {
     const std::scoped_lock lock(mutex_);
     const auto found = hosted_.find(status.name);
@@ -211,12 +233,15 @@ void HostedComponents::Note(const ComponentStatus& status) {
     Hosted& one = found->second;
     const bool planned = one.restart_at != Clock::time_point::max();
     if (planned && IsOver(status.state)) return;  // Of an instance that ends.
+    undeclared = status.undeclared_transforms && !std::exchange(one.undeclared, true);
     component.set_changed(std::exchange(one.state, status.state) != status.state);
     const std::string why = status.late > one.late ? "A callback took longer than its deadline." : status.exception;
+    const bool said = one.given_up;
     component.set_again(PlanRestart(one, status));
     if (component.again() && status.state != ComponentState::kFailed) component.set_sentence(why);
-    given_up = std::exchange(one.given_up, false);
+    given_up = one.given_up && !said;
   }
+  if (undeclared) SayUndeclared(status.name);
   if (given_up) {
     reports_.Line(
         status.name, LogLevel::kError,
@@ -255,6 +280,7 @@ void HostedComponents::Forget(Hosted& one) {
   one.state = ComponentState::kWired;
   one.exceptions = one.late = 0;
   one.restart_at = Clock::time_point::max();
+  one.given_up = false;
 }
 
 void HostedComponents::Restart(Hosted& one) {

@@ -37,7 +37,7 @@ class HostedComponents {
   void Start();
   /// Does what is due: checkpoints and restarts. Returns when more is.
   [[nodiscard]] Clock::time_point Work();
-  /// The last checkpoints, of those that have not failed.
+  /// The last checkpoints, of those that have not failed. They are on the way when it returns.
   void SaveAll();
   /// Ends a component and constructs it again. One that can be saved goes on from its state, and what comes meanwhile
   /// waits for it, unless it has failed or finished or does not end its callbacks.
@@ -84,7 +84,8 @@ class HostedComponents {
     std::uint64_t exceptions = 0;                          // That have been handled.
     std::uint64_t late = 0;                                // Callbacks that have been handled.
     RestartPauses pauses{};
-    bool given_up = false;  // It is not constructed again, because that was too often.
+    bool undeclared = false;  // It was said that it has not declared transforms.
+    bool given_up = false;    // It is not constructed again, because that was too often.
     Clock::time_point restart_at = Clock::time_point::max();  // It is constructed again.
   };
 
@@ -102,6 +103,7 @@ class HostedComponents {
   // Whether it will be constructed again. mutex_ is held.
   [[nodiscard]] static bool PlanRestart(Hosted& one, const ComponentStatus& status);
   void Note(const ComponentStatus& status);
+  void SayUndeclared(const std::string& name);
   void Keep(std::string_view component, const ParamEvent& event);
   [[nodiscard]] bool HasEnded(const Hosted& one) const;
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "hosting/component_moves.hpp"
+#include "hosting/end_notice.hpp"
 #include "hosting/hosted_components.hpp"
 #include "hosting/reporter.hpp"
 #include "launch/run.pb.h"
@@ -96,15 +97,19 @@ void Host::Obey(Session& session, HostedComponents& components, const RunOrder& 
   } else if (order.has_again()) {
     components.ConstructAgain(order.again().component());
   } else {
-    if (order.end().save()) components.SaveAll();
     ends_ = true;
+    if (order.end().save()) {
+      components.SaveAll();
+      reporter_.Stage(RunReport::SAVED);
+    }
+    components.components().BeginEnd();
   }
 }
 
 // Until there is an order, a component has changed, something is due, or the process shall end.
 void Host::Await(Clock::time_point until) {
   if (pause_.signal() != 0) return;
-  const auto events = static_cast<short>(reporter_.unsent() ? POLLIN | POLLOUT : POLLIN);
+  const auto events = static_cast<short>(reporter_.unsent() > 0 ? POLLIN | POLLOUT : POLLIN);
   std::array<pollfd, 3> watched{pollfd{reporter_.socket(), events, 0}, pollfd{reporter_.wakes(), POLLIN, 0},
                                 pollfd{pause_.ended(), POLLIN, 0}};
   int wait_ms = -1;
@@ -126,6 +131,7 @@ int Host::Run(const ComponentCatalog& catalog) {
                                       reporter_.Line({}, level, text);
                                     }});
   HostedComponents components(session, reporter_, robot_, process_, kept_);
+  const EndNotice notice(pause_.ended(), [&] { components.components().BeginEnd(); });
   components.Construct(catalog);
   ComponentMoves moves(session, components, reporter_, robot_, catalog);
   moves_ = &moves;
@@ -135,6 +141,12 @@ int Host::Run(const ComponentCatalog& catalog) {
     while (!ends_ && reporter_.Next(order)) Obey(session, components, order);
     const Clock::time_point due = std::min(components.Work(), moves.Work());
     if (!ends_ && !components.AllEnded()) Await(due);
+  }
+  if (!ends_ && reporter_.Read()) {  // A signal may come with the order to save.
+    RunOrder order;
+    while (!ends_ && reporter_.Next(order)) {
+      if (order.has_end()) Obey(session, components, order);
+    }
   }
   return components.AnyFailed() ? 1 : 0;
 }

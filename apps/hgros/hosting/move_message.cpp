@@ -1,5 +1,8 @@
 #include "hosting/move_message.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "hgros/base/bytes.hpp"
 #include "launch/kept_component.hpp"
 
@@ -22,6 +25,19 @@ void Write(const MovingState& moving, RunOrder::Move& move) {
   move.set_session(moving.from.value);
   if (moving.state != nullptr) *move.mutable_state() = ReportOf(move.component(), *moving.state).saved();
   for (const InputPosition& position : moving.positions) Write(position, *move.add_positions());
+  for (const MovingLatched& one : moving.latched) {
+    RunOrder::Move::Latched& to = *move.add_latched();
+    to.set_channel(one.channel);
+    to.set_publish_time_ns(one.publish_time_ns);
+    to.set_data(std::string(AsText(one.data.bytes)));
+  }
+  for (const StampedEdge& edge : moving.static_edges) {
+    RunOrder::Move::StaticEdge& to = *move.add_static_edges();
+    to.set_parent(edge.parent);
+    to.set_child(edge.child);
+    for (const double value : edge.T_parent_child.translation) to.add_pose(value);
+    for (const double value : edge.T_parent_child.rotation.coeffs()) to.add_pose(value);
+  }
 }
 
 MovingState StateOf(const RunOrder::Move& move) {
@@ -29,6 +45,17 @@ MovingState StateOf(const RunOrder::Move& move) {
   moving.from = SessionId{move.session()};
   if (move.has_state()) moving.state = StateOf(move.state());
   for (const RunOrder::Move::Position& position : move.positions()) moving.positions.push_back(PositionOf(position));
+  for (const RunOrder::Move::Latched& one : move.latched()) {
+    const auto data = std::make_shared<const std::string>(one.data());
+    moving.latched.push_back({one.channel(), one.publish_time_ns(), {AsBytes(*data), data}});
+  }
+  for (const RunOrder::Move::StaticEdge& one : move.static_edges()) {
+    if (one.pose_size() != 7) continue;
+    StampedEdge edge{one.parent(), one.child(), {}, {}};
+    std::copy_n(one.pose().begin(), 3, edge.T_parent_child.translation.begin());
+    std::copy_n(one.pose().begin() + 3, 4, edge.T_parent_child.rotation.coeffs().begin());
+    moving.static_edges.push_back(std::move(edge));
+  }
   return moving;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostUnsentBytes = 1U << 20U;
 constexpr std::size_t kMostReportedLineBytes = 64U << 10U;
-constexpr std::chrono::seconds kFlushPatience{1};  // The starter kills what takes longer to end.
+constexpr std::chrono::seconds kFlushPatience{1};  // For the starter to read some of it.
 
 }  // namespace
 
@@ -78,19 +78,22 @@ void Reporter::Write() {
 }
 
 void Reporter::Flush() noexcept {
-  const auto deadline = std::chrono::steady_clock::now() + kFlushPatience;
-  while (unsent()) {
+  auto deadline = std::chrono::steady_clock::now() + kFlushPatience;
+  for (std::size_t before = unsent(); before > 0;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     pollfd watched{socket(), POLLOUT, 0};
     if (left.count() <= 0 || (poll(&watched, 1, static_cast<int>(left.count())) < 0 && errno != EINTR)) return;
     if ((watched.revents & (POLLERR | POLLHUP)) != 0) return;  // The starter has gone.
     Write();
+    const std::size_t now = unsent();
+    if (now < before) deadline = std::chrono::steady_clock::now() + kFlushPatience;
+    before = now;
   }
 }
 
-bool Reporter::unsent() {
+std::size_t Reporter::unsent() {
   const std::scoped_lock lock(mutex_);
-  return stream_.unsent() > 0;
+  return stream_.unsent();
 }
 
 bool Reporter::full() {

@@ -33,9 +33,9 @@ class Reporter final : public ComponentReports {
   void Wake() noexcept override;
   void Slept() noexcept;
   void Write();
-  /// At the end: waits until the starter has all that was told, at most for a second.
-  void Flush() noexcept;
-  [[nodiscard]] bool unsent();
+  void Flush() noexcept override;
+  /// Bytes that wait to be written.
+  [[nodiscard]] std::size_t unsent();
   /// Whether so much waits to be written that no state is added.
   [[nodiscard]] bool full() override;
 

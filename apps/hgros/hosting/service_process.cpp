@@ -21,6 +21,7 @@
 
 #include "hgros/base/names.hpp"
 #include "hosting/component_reports.hpp"
+#include "hosting/end_notice.hpp"
 #include "hosting/hosted_components.hpp"
 #include "hosting/service_notices.hpp"
 #include "launch/host_networks.hpp"
@@ -51,6 +52,7 @@ class ServiceLog final : public ComponentReports {
     const std::uint64_t one = 1;
     (void)!write(wakes_, &one, sizeof one);
   }
+  void Flush() noexcept override {}
   [[nodiscard]] bool full() override { return false; }
 
   /// Readable after Wake().
@@ -204,6 +206,7 @@ int Service::Run(const ComponentCatalog& catalog) {
                                    }});
   const KeptComponents nothing_kept;
   HostedComponents components(session, log_, here, process, nothing_kept);
+  const EndNotice notice(pause_.ended(), [&] { components.components().BeginEnd(); });
   components.Construct(catalog);
   components.Join();
   notices_.TellStatus("Waiting for subscribers.");

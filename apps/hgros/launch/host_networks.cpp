@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -137,6 +138,18 @@ void Add(Config derived, Config& config) {
   if (derived.security.enabled()) config.security = std::move(derived.security);
 }
 
+// Faults get the place of the host in the robot file, because no file has this text.
+Config ParseNetwork(const std::string& yaml, const RobotHost& host) {
+  try {
+    return Config::Parse(yaml, "hosts");
+  } catch (const ConfigError& fault) {
+    constexpr std::string_view kOwn = "network.security.secret_key_file";
+    std::string what = fault.sentence();
+    if (what.starts_with(kOwn)) what.replace(0, kOwn.size(), "hosts." + host.name + ".secret_key_file");
+    throw ConfigError(what, host.at, fault.mend());
+  }
+}
+
 }  // namespace
 
 std::map<std::string, std::string> HostNetworks(const RobotFile& robot, const RobotGraph& graph) {
@@ -171,7 +184,8 @@ RobotFile PartOfHost(const RobotFile& robot, const std::string& host,
   }
   for (RobotProcess& process : part.processes) {
     const auto network = networks.find(process.name);
-    if (network != networks.end() && process.host == here) Add(Config::Parse(network->second, "hosts"), process.config);
+    if (network == networks.end() || process.host != here) continue;
+    Add(ParseNetwork(network->second, HostOf(robot, process)), process.config);
   }
   for (RobotProgram& program : part.programs) {
     const auto network = networks.find(program.name);

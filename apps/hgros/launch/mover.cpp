@@ -1,10 +1,6 @@
 #include "launch/mover.hpp"
 
-#include <signal.h>
-
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -28,22 +24,11 @@ constexpr std::size_t kMostMovingBytes = 8U << 20U;
 std::string NamedPlace(const std::string& name) { return "\"" + Visible(name) + "\""; }
 
 std::string Milliseconds(std::chrono::steady_clock::duration time) {
-  std::array<char, 32> text{};
-  (void)snprintf(text.data(), text.size(), "%.1f ms", std::chrono::duration<double, std::milli>(time).count());
-  return text.data();
+  const auto tenths = std::chrono::duration_cast<std::chrono::microseconds>(time).count() / 100;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
 }
 
 }  // namespace
-
-void PlaceComponent(RobotFile& robot, const std::string& component, const std::string& process) {
-  for (RobotProcess& one : robot.processes) {
-    std::erase(one.components, component);
-    if (one.name == process) one.components.push_back(component);
-  }
-  for (RobotComponent& one : robot.components) {
-    if (one.setup.name == component) one.process = process;
-  }
-}
 
 // --- beginning ---
 
@@ -76,10 +61,11 @@ StartedUnit& Mover::PlaceFor(const std::string& to, const StartedUnit& from) con
     const std::string nearest = NearestName(to, names);
     if (place == nullptr && host) {
       throw Error("This hgros run has started no process on the host " + NamedPlace(to) + ".", {},
-                  "Add one to the robot file: `processes: {NAME: {host: " + Visible(to) + "}}`.");
+                  "Add one to the robot file: `processes: {NAME: {host: " + Visible(to) +
+                      "}}`. With --host, `hgros run` starts none on other hosts.");
     }
     if (place == nullptr) {
-      throw Error("The robot has no process or host " + NamedPlace(to) + ".", {},
+      throw Error("This hgros run has started no process " + NamedPlace(to) + ", and the robot has no such host.", {},
                   nearest.empty() ? "`hgros ps` lists them." : "Did you mean " + NamedPlace(nearest) + "?");
     }
   }
@@ -113,8 +99,7 @@ void Mover::Begin(const std::string& component, const std::string& to) {
     }
     if (from.alone.contains(component)) throw Error(NamedPlace(component) + " is constructed again at this moment.");
     Move& move = moves_.emplace(component, Move{component, ++attempts_, &from, &place}).first->second;
-    Go(move, Stage::kLooks, kLookPatience);
-    Send(from, OrderOf(move, Step::LOOK));
+    if (!MustWait(move)) Look(move);
   } catch (const Error& error) {
     results_[component] = {false, error.what()};
   }
@@ -123,6 +108,17 @@ void Mover::Begin(const std::string& component, const std::string& to) {
 std::optional<Mover::Result> Mover::ResultOf(const std::string& component) const {
   const auto found = results_.find(component);
   return found == results_.end() ? std::nullopt : std::optional(found->second);
+}
+
+bool Mover::MustWait(const Move& move) const {
+  return std::ranges::any_of(moves_, [&](const auto& other) {
+    return other.second.stage != Stage::kWaits && means_.graph.Meet(other.first, move.component);
+  });
+}
+
+void Mover::Look(Move& move) {
+  Go(move, Stage::kLooks, kLookPatience);
+  Send(*move.from, OrderOf(move, Step::LOOK));
 }
 
 void Mover::Go(Move& move, Stage stage, std::chrono::milliseconds limit) {
@@ -153,23 +149,17 @@ void Mover::SendReceive(Move& move, const RunOrder::Move& looked) {
   KeptComponent kept = means_.kept[move.component];
   kept.state = nullptr;
   Write(kept, order);
-  const auto here = means_.graph.SubscribersOfMoved(move.component, *move.from->process);
-  const auto there = means_.graph.SubscribersOfMoved(move.component, *move.to->process);
-  const auto known = [](const auto& map, const std::string& channel) -> std::uint64_t {
-    const auto found = map.find(channel);
-    return found == map.end() ? 0 : found->second;
-  };
+  const auto here = means_.graph.FindSubscribersOfMoved(move.component, *move.from->process);
+  const auto there = means_.graph.FindSubscribersOfMoved(move.component, *move.to->process);
   for (const Step::Users& one : looked.users()) {
     Step::Users& users = *order.add_users();
     users.set_channel(one.channel());
-    const std::uint64_t from_file = known(here, one.channel());
+    const std::uint64_t from_file = StartedUnit::CountLasting(here, one.channel(), means_.units);
     const std::uint64_t others = one.subscribers() - std::min<std::uint64_t>(one.subscribers(), from_file);
-    users.set_subscribers(known(there, one.channel()) + others);
-    if (one.publishers() == 0) continue;
-    const std::uint64_t more = means_.graph.Publishes(*move.from->process, one.channel()) ? 1 : 0;
-    users.set_publishers(one.publishers() + more);
+    users.set_subscribers(StartedUnit::CountLasting(there, one.channel(), means_.units) + others);
+    users.set_publishers(one.publishers());
   }
-  Go(move, Stage::kReceives, kReceivePatience);
+  if (move.stage == Stage::kLooks) Go(move, Stage::kReceives, kReceivePatience);
   Send(*move.to, order);
 }
 
@@ -190,8 +180,9 @@ void Mover::Take(const StartedUnit& from, const RunOrder::Move& report) {
   if (!old && &from != move.to) return;
   if (report.step() == Step::FAILED && move.stage < Stage::kHandsOver) return GiveUp(move, report.sentence());
   if (move.stage == Stage::kHandsOver) return Relay(move, from, report);
-  if (report.step() == Step::LOOK && old && move.stage == Stage::kLooks) {
-    SendReceive(move, report);
+  if (report.step() == Step::LOOK && (move.stage == Stage::kLooks || move.stage == Stage::kReceives)) {
+    if (old) return SendReceive(move, report);
+    if (move.stage == Stage::kReceives) Send(*move.from, OrderOf(move, Step::LOOK));  // Its users have changed perhaps.
   } else if (report.step() == Step::RECEIVE && !old && move.stage == Stage::kReceives) {
     if (move.from_gone) return SendRestore(move);
     Go(move, Stage::kHolds, kHoldPatience);
@@ -250,7 +241,7 @@ void Mover::TakeLeft(Move& move, const std::string& sentence) {
 }
 
 void Mover::Place(const Move& move, const StartedUnit& from, StartedUnit& to) {
-  PlaceComponent(means_.robot, move.component, to.setup->name);
+  means_.robot.Place(move.component, to.setup->name);
   if (means_.placed) means_.placed(move.component, to.setup->name);
   StartedUnit& old = *Find(from.setup->name);
   to.runs[move.component] = old.runs[move.component];
@@ -272,7 +263,7 @@ void Mover::GiveUp(Move& move, const std::string& why) {
     SendAdopt(move);
   } else if (move.from->running != nullptr) {  // It has begun without the component.
     move.from->again = true;
-    move.from->running->Signal(SIGKILL);
+    move.from->TellToEnd();
   }
   const std::string place = NamedPlace(move.from->setup->name);
   const std::string where = move.from->running != nullptr ? "It runs on in " + place + "."
@@ -296,6 +287,7 @@ void Mover::NoteEndOfOld(Move& move, const StartedUnit& from) {
   const std::string ended = "Its process " + NamedPlace(from.setup->name) + " has ended.";
   const bool again = from.stage == UnitStage::kWaits;
   switch (move.stage) {
+    case Stage::kWaits:
     case Stage::kLooks: return GiveUp(move, ended);
     case Stage::kReceives:
     case Stage::kHolds:
@@ -367,7 +359,7 @@ void Mover::Work() {
   }
   for (const std::string& name : late) {
     Move& move = moves_.at(name);
-    const StartedUnit& silent = move.stage == Stage::kLooks || move.stage == Stage::kHolds ? *move.from : *move.to;
+    StartedUnit& silent = move.stage == Stage::kLooks || move.stage == Stage::kHolds ? *move.from : *move.to;
     const std::string& place = silent.setup->name;
     const std::string sentence = "The process " + NamedPlace(place) + " does not answer. `hgros logs " + place +
                                  "` may say why, and `hgros restart " + place + "` starts it again.";
@@ -375,11 +367,14 @@ void Mover::Work() {
       HandLate(move);
     } else if (move.stage == Stage::kBegins) {  // It may begin at any time.
       move.limit = Clock::time_point::max();
-      means_.say(silent, {}, LogLevel::kWarning, "It does not answer, and is killed.");
-      silent.running->Signal(SIGKILL);
+      means_.say(silent, {}, LogLevel::kWarning, "It does not answer, so it ends.");
+      silent.TellToEnd();
     } else {
       GiveUp(move, sentence);
     }
+  }
+  for (auto& [name, move] : moves_) {
+    if (move.stage == Stage::kWaits && !MustWait(move)) Look(move);
   }
 }
 

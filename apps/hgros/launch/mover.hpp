@@ -18,9 +18,6 @@
 
 namespace hgros::cli {
 
-/// From now on the component runs in that process.
-void PlaceComponent(RobotFile& robot, const std::string& component, const std::string& process);
-
 /// Moves components from one process of a robot to another while they run. Until the new place has begun, the old one
 /// can go on. If a step fails or a process dies, the component runs on in one of the two places.
 ///
@@ -65,14 +62,14 @@ class Mover {
   [[nodiscard]] bool Congested(const StartedUnit& unit) const;
 
  private:
-  enum class Stage { kLooks, kReceives, kHolds, kRestores, kBegins, kHandsOver };
+  enum class Stage { kWaits, kLooks, kReceives, kHolds, kRestores, kBegins, kHandsOver };
   struct Move {
     std::string component;
     std::uint64_t attempt;
     StartedUnit* from;
     StartedUnit* to;
-    Stage stage = Stage::kLooks;
-    Clock::time_point limit{};
+    Stage stage = Stage::kWaits;
+    Clock::time_point limit = Clock::time_point::max();
     Clock::time_point held{};
     RunOrder::Move moving{};  // The state and how far its inputs are.
     bool from_gone = false;   // Its process has ended, and the new place takes over.
@@ -83,6 +80,9 @@ class Mover {
   [[nodiscard]] StartedUnit* Find(const std::string& process) const;
   // Throws Error if the component cannot move there.
   [[nodiscard]] StartedUnit& PlaceFor(const std::string& to, const StartedUnit& from) const;
+  // Messages keep their order only from a publisher that stays, or to a subscriber that does.
+  [[nodiscard]] bool MustWait(const Move& move) const;
+  void Look(Move& move);
   void Go(Move& move, Stage stage, std::chrono::milliseconds limit);
   [[nodiscard]] static RunOrder::Move OrderOf(const Move& move, RunOrder::Move::Step step);
   static void Send(StartedUnit& to, const RunOrder::Move& move);

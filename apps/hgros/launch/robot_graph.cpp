@@ -7,6 +7,7 @@
 
 #include "hgros/base/names.hpp"
 #include "hgros/session/clock_publisher.hpp"
+#include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -21,6 +22,17 @@ std::string NearestKey(const std::string& name, const Map& map) {
   }
   const std::string nearest = NearestName(name, keys);
   return nearest.empty() ? std::string() : "Did you mean " + InQuotes(nearest) + "?";
+}
+
+template <class Map>
+const typename Map::mapped_type& EndsOf(const Map& map, const std::string& channel) {
+  static const typename Map::mapped_type none;
+  const auto found = map.find(channel);
+  return found == map.end() ? none : found->second;
+}
+
+bool IsOfTransforms(std::string_view channel) {
+  return channel == kTransformsChannel || channel == kStaticTransformsChannel;
 }
 
 bool FindEachOther(const RobotProcess& first, const RobotProcess& second) {
@@ -39,6 +51,7 @@ RobotGraph::RobotGraph(const RobotFile& robot, std::vector<ComponentDescription>
     if (component == nullptr) continue;
     const bool moves = !one.state.empty();
     moving_ = moving_ || moves;
+    if (one.transforms) transforming_.push_back({component, nullptr, {}, moves});
     for (const ComponentChannel& input : one.inputs)
       inputs_[input.channel].push_back({component, nullptr, input.type, moves});
     for (const ComponentChannel& output : one.outputs) {
@@ -89,7 +102,7 @@ void RobotGraph::CheckChannels(std::vector<RobotFinding>& findings) const {
       const std::string& name = end.name();
       if (publishers == outputs_.end()) {
         const std::string nearest = NearestKey(channel, outputs_);
-        if (IsListed(end, channel)) continue;
+        if (IsListed(end, channel) || (IsOfTransforms(channel) && !transforming_.empty())) continue;
         if (nearest.empty() && MayComeFromOutside(end)) continue;
         findings.push_back({false, end.at(),
                             "No component publishes the channel " + InQuotes(channel) + ", to which " + InQuotes(name) +
@@ -157,14 +170,12 @@ std::map<std::string, std::size_t> RobotGraph::SubscribersOf(const RobotProcess&
   return subscribers;
 }
 
-std::map<std::string, std::size_t> RobotGraph::SubscribersOfMoved(std::string_view component,
-                                                                  const RobotProcess& process) const {
-  std::map<std::string, std::size_t> subscribers;
-  for (const auto& [channel, found] : FindSubscribers(process, component)) {
-    const std::vector<End>& ends = outputs_.at(channel);
-    const bool publishes = std::ranges::any_of(ends, [&](const End& end) { return end.name() == component; });
-    if (publishes) subscribers[channel] = found.count();
-  }
+std::map<std::string, RobotGraph::Subscribers> RobotGraph::FindSubscribersOfMoved(std::string_view component,
+                                                                                  const RobotProcess& process) const {
+  std::map<std::string, Subscribers> subscribers = FindSubscribers(process, component);
+  std::erase_if(subscribers, [&](const auto& one) {
+    return std::ranges::none_of(outputs_.at(one.first), [&](const End& end) { return end.name() == component; });
+  });
   return subscribers;
 }
 
@@ -193,10 +204,18 @@ std::map<std::string, RobotGraph::Subscribers> RobotGraph::FindSubscribers(const
   return subscribers;
 }
 
-bool RobotGraph::Publishes(const RobotProcess& process, const std::string& channel) const {
-  const auto ends = outputs_.find(channel);
-  return ends != outputs_.end() &&
-         std::ranges::any_of(ends->second, [&](const End& end) { return end.unit() == process.name; });
+bool RobotGraph::Meet(std::string_view one, std::string_view other) const {
+  return std::ranges::any_of(outputs_, [&](const auto& output) {
+    const auto inputs = inputs_.find(output.first);
+    if (inputs == inputs_.end()) return false;
+    const auto has = [](const std::vector<End>& ends, std::string_view name) {
+      return std::ranges::any_of(ends, [name](const End& end) { return end.name() == name; });
+    };
+    const auto leads = [&](std::string_view from, std::string_view to) {
+      return has(output.second, from) && has(inputs->second, to);
+    };
+    return leads(one, other) || leads(other, one);
+  });
 }
 
 bool RobotGraph::CanRunIn(const End& end, std::string_view unit) const {
@@ -208,6 +227,11 @@ std::set<std::string> RobotGraph::ChannelsFrom(std::string_view from, std::strin
     if (first.name() == second.name()) return false;  // It does not run in both.
     return CanRunIn(first, one) && CanRunIn(second, other);
   };
+  const auto any_leads = [&](const std::vector<End>& ends, const std::vector<End>& inputs) {
+    return std::ranges::any_of(ends, [&](const End& output) {
+      return std::ranges::any_of(inputs, [&](const End& input) { return leads(output, input, from, to); });
+    });
+  };
   std::set<std::string> channels;
   const RobotProcess* follower = robot_.FindProcess(to);
   for (const auto& [channel, ends] : outputs_) {
@@ -216,12 +240,12 @@ std::set<std::string> RobotGraph::ChannelsFrom(std::string_view from, std::strin
       const auto publishes = [&](const End& end) { return CanRunIn(end, from); };
       if (std::ranges::any_of(ends, publishes)) channels.insert(channel);
     }
-    const auto inputs = inputs_.find(channel);
-    if (inputs == inputs_.end()) continue;
-    for (const End& output : ends) {
-      for (const End& input : inputs->second) {
-        if (leads(output, input, from, to)) channels.insert(channel);
-      }
+    if (any_leads(ends, EndsOf(inputs_, channel))) channels.insert(channel);
+  }
+  for (const std::string& channel : {std::string(kTransformsChannel), std::string(kStaticTransformsChannel)}) {
+    if (any_leads(transforming_, transforming_) || any_leads(transforming_, EndsOf(inputs_, channel)) ||
+        any_leads(EndsOf(outputs_, channel), transforming_)) {
+      channels.insert(channel);
     }
   }
   for (const auto& [service, servers] : served_) {

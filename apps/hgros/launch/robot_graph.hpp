@@ -45,15 +45,16 @@ class RobotGraph {
   /// Their number.
   [[nodiscard]] std::map<std::string, std::size_t> SubscribersOf(const RobotProcess& process) const;
   /// The same of the outputs of one component, if that ran in the process.
-  [[nodiscard]] std::map<std::string, std::size_t> SubscribersOfMoved(std::string_view component,
-                                                                      const RobotProcess& process) const;
-  /// Whether a component in the process publishes on the channel.
-  [[nodiscard]] bool Publishes(const RobotProcess& process, const std::string& channel) const;
+  [[nodiscard]] std::map<std::string, Subscribers> FindSubscribersOfMoved(std::string_view component,
+                                                                          const RobotProcess& process) const;
+
+  /// Whether one of two components subscribes to what the other one publishes.
+  [[nodiscard]] bool Meet(std::string_view one, std::string_view other) const;
 
   /// Whether a component can move.
   [[nodiscard]] bool HasMoving() const noexcept { return moving_; }
-  /// The channels that lead from one process or program to another, also those of services, wherever the components
-  /// that can move run.
+  /// The channels that lead from one process or program to another, also those of services and, between components
+  /// that use transforms, theirs, wherever the components that can move run.
   [[nodiscard]] std::set<std::string> ChannelsFrom(std::string_view from, std::string_view to) const;
 
  private:
@@ -87,7 +88,8 @@ class RobotGraph {
   bool moving_ = false;
   Ends inputs_;  // By channel, like the outputs.
   Ends outputs_;
-  Pairs served_;  // By service, like the calls.
+  std::vector<End> transforming_;  // They set transforms, or look them up.
+  Pairs served_;                   // By service, like the calls.
   Pairs called_;
 };
 

@@ -10,6 +10,7 @@
 
 #include "hgros/base/error.hpp"
 #include "hosting/hosted_process.hpp"
+#include "processes/process_end.hpp"
 #include "remote/remote_units.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/visible_text.hpp"
@@ -156,6 +157,7 @@ void Starter::Advance() {
 
 Starter::Clock::time_point Starter::NextDue() const {
   Clock::time_point due = std::min(kill_at_, ending_ ? kill_at_ : std::min(late_at_, mover_.due()));
+  if (together_at_ > Clock::time_point::min()) due = std::min(due, together_at_);
   for (const Unit& unit : units_) {
     const bool waits = unit.stage == Stage::kWaits && !ending_ && (unit.process != nullptr || released_);
     if (waits) due = std::min(due, unit.due);
@@ -166,7 +168,7 @@ Starter::Clock::time_point Starter::NextDue() const {
 
 void Starter::Poll() {
   std::vector<pollfd> watched{{surroundings_.pause.ended(), POLLIN, 0}};
-  if (surroundings_.pause.signal() != 0) watched.clear();
+  if (ending_) watched.clear();  // A signal that came just now must wake this.
   for (const Unit& unit : units_) {
     if (unit.running == nullptr) continue;
     unit.AddTo(watched, !mover_.Congested(unit));
@@ -192,6 +194,7 @@ void Starter::Hear(Unit& unit) {
     const bool more = running.stream().Read();
     RunReport report;
     while (running.stream().Next(report)) Take(unit, report);
+    if (running.stream().receives_large()) unit.AwaitState();
     if (!more) running.EndStream();
   }
   const auto hear = [&](std::string_view line) {
@@ -208,6 +211,8 @@ void Starter::Hear(Unit& unit) {
 void Starter::Take(Unit& unit, const RunReport& report) {
   switch (report.report_case()) {
     case RunReport::kStage:
+      if (report.stage() == RunReport::SAVING) return unit.AwaitState();
+      if (report.stage() == RunReport::SAVED) return unit.AwaitEnd();
       if (unit.stage == Stage::kEnds) return;
       unit.stage = report.stage() == RunReport::CONSTRUCTED ? Stage::kConstructed
                    : report.stage() == RunReport::JOINED    ? Stage::kJoined
@@ -270,7 +275,7 @@ void Starter::TakeComponent(Unit& unit, const RunReport::Component& component) {
   if (setup->essential && !ending_) {
     EndAll(failed ? "The robot ends, because " + Named(component.name()) + " is essential." : "", code_);
   } else if (failed && !ending_ && released_ && unit.setup->restart != RestartPolicy::kNever) {
-    TellToEnd(unit);  // TakeEnd() starts it again.
+    unit.TellToEnd(kill_at_);  // TakeEnd() starts it again.
   }
 }
 
@@ -288,7 +293,7 @@ void Starter::TakeStatus(Unit& unit) {
   const bool left = unit.process != nullptr && unit.ended.size() < unit.process->components.size();
   const bool failed = unit.failed || left || !well;
   const bool early = !released_ && !told;
-  if (failed && !told) ReportFailure(unit, status);
+  if (told ? !unit.remote && HasCrashed(status, unit.process != nullptr) : failed) ReportFailure(unit, status);
   unit.running.reset();
   unit.stage = Stage::kEnded;
   unit.kill_at = Clock::time_point::max();
@@ -328,7 +333,7 @@ std::uint64_t Starter::Restart(const std::string& unit) {
   found->restarts.Forget();
   if (found->running != nullptr) {
     found->again = true;
-    TellToEnd(*found);
+    found->TellToEnd();
   } else {
     found->failed = false;
     found->stage = Stage::kWaits;

@@ -57,6 +57,8 @@ class Starter {
   /// Whether all have been started. Until then nothing is started again.
   [[nodiscard]] bool released() const noexcept { return released_; }
   [[nodiscard]] bool ending() const noexcept { return ending_; }
+  /// Whether this process is about to be started again, or its components begin to run.
+  [[nodiscard]] bool Starts(const std::string& unit) const;
   /// Ends a process or program and starts it again. Returns how often it was started again before.
   std::uint64_t Restart(const std::string& unit);
   /// The same for a component alone. Returns how often it has begun to run; empty: its process does not run.
@@ -81,7 +83,6 @@ class Starter {
   void TakeStatus(Unit& unit);
   void ReportFailure(Unit& unit, int status);
   void StartAgain(Unit& unit);
-  void TellToEnd(Unit& unit);
   void KillLate();
   // Lets the units go on together: all join when all are constructed, and run when all have joined.
   void Advance();
@@ -113,6 +114,7 @@ class Starter {
   bool released_ = false;  // All run.
   bool ending_ = false;
   bool at_once_ = false;  // The user has asked again.
+  Clock::time_point together_at_ = Clock::time_point::max();
   Clock::time_point kill_at_ = Clock::time_point::max();
   int code_ = kDone;
 };

@@ -29,15 +29,6 @@ void StarterClients::AddTo(std::vector<pollfd>& watched) {
 }
 
 void StarterClients::Serve() {
-  while (auto stream = socket_.Accept()) {
-    clients_.push_back({std::move(stream)});
-    if (clients_.size() > kMostClients) {
-      RefuseLast("serves " + std::to_string(kMostClients) +
-                 " commands, and no more. End some, such as `hgros wait` and `hgros logs -f`.");
-    } else if (!socket_.HasSpare()) {
-      RefuseLast("can open no more files. Raise the limit of its hgros run (ulimit -n), or end other commands.");
-    }
-  }
   for (Client& client : clients_) {
     client.gone = !client.stream->Read();
     RobotRequest request;
@@ -48,6 +39,16 @@ void StarterClients::Serve() {
     if (!client.stream->Write() || client.stream->unsent() > kMostUnreadBytes) client.gone = true;
   }
   clients_.remove_if([](const Client& client) { return client.gone; });
+  // Now, so that those that have gone take no place.
+  while (auto stream = socket_.Accept()) {
+    clients_.push_back({std::move(stream)});
+    if (clients_.size() > kMostClients) {
+      RefuseLast("serves " + std::to_string(kMostClients) +
+                 " commands, and no more. End some, such as `hgros wait` and `hgros logs -f`.");
+    } else if (!socket_.HasSpare()) {
+      RefuseLast("can open no more files. Raise the limit of its hgros run (ulimit -n), or end other commands.");
+    }
+  }
 }
 
 // Its command ends with these words; otherwise it would wait for an answer without one.
@@ -104,12 +105,13 @@ void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
 void StarterClients::TakeRestart(Client& client, const std::string& name) {
   const std::string unit = starter_.UnitOf(name);
   if (unit.empty()) return SendEnd(client, kFailed, Unknown(name));
-  if (starter_.mover().Moves(name)) {  // Its old place still hands messages over.
-    client.restarts_later = name;
-    return;
-  }
   if (!starter_.released()) {
     return SendEnd(client, kFailed, "The robot still starts, or ends already. `hgros ps` shows when it runs.");
+  }
+  // Its old place still hands messages over, or the others of its process have not begun.
+  if (starter_.mover().Moves(name) || (unit != name && starter_.Starts(unit))) {
+    client.restarts_later = name;
+    return;
   }
   client.restarts = unit;
   const auto alone = unit == name ? std::nullopt : starter_.RestartAlone(name);

@@ -42,7 +42,7 @@ class StarterClients {
     std::uint64_t left_out = 0;     // Lines that it would follow, but does not read.
     std::set<std::string> names{};  // Whose lines; empty: all.
     bool waits_for_end = false;
-    std::string restarts_later{};  // What it wants to restart once that does not move any more; empty: none.
+    std::string restarts_later{};  // What it wants to restart once that can be; empty: none.
     std::string restarts{};        // The unit that it waits for; empty: none.
     std::string component{};       // Of the unit; empty: all of it.
     std::uint64_t before{};        // How often that was started before.

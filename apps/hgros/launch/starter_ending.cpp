@@ -2,33 +2,27 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "launch/starter.hpp"
 
 namespace hgros::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kEndPatience{1600};  // Then what has not ended is killed.
-constexpr std::chrono::seconds kRelayPatience{1};        // More, because its host kills what runs there, and tells.
+constexpr std::chrono::milliseconds kTurnsPatience{500};  // Then all that is left ends together.
 
 }  // namespace
-
-void Starter::TellToEnd(Unit& unit) {
-  const auto patience = unit.remote ? kEndPatience + kRelayPatience : kEndPatience;
-  unit.kill_at = std::min(kill_at_, Clock::now() + patience);
-  if (unit.program != nullptr) return unit.running->Signal(SIGTERM);
-  RunOrder order;
-  order.mutable_end()->set_save(unit.again);
-  unit.Send(order);
-}
 
 void Starter::KillLate() {
   for (Unit& unit : units_) {
     if (unit.kill_at > Clock::now()) continue;
     unit.kill_at = Clock::time_point::max();
     if (unit.running == nullptr || unit.over_at != Clock::time_point::max()) continue;
-    unit.again = unit.again || !std::exchange(unit.alone, {}).empty();
+    if (unit.HangsAlone()) {
+      Say(unit, LogLevel::kWarning, "A component was not constructed again in time, so it ends and starts again.");
+      unit.EndHanging(kill_at_);
+      continue;
+    }
+    if (unit.AskLate()) continue;
     Say(unit, LogLevel::kWarning, "It did not end in time, and is killed.");
     unit.running->Signal(SIGKILL);
   }
@@ -39,22 +33,23 @@ void Starter::EndAll(const std::string& why, int code) {
   if (ending_) return;
   ending_ = true;
   kill_at_ = Clock::now() + kEndPatience;
+  together_at_ = Clock::now() + kTurnsPatience;
   if (!why.empty()) surroundings_.console.Say(why);
 }
 
 void Starter::EndNext() {
   const bool late = Clock::now() >= kill_at_;
+  if (late || Clock::now() >= together_at_) together_at_ = Clock::time_point::min();
   for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
     if (unit->running == nullptr) continue;
     if (late) {
       unit->running->Signal(SIGKILL);
-    } else if (unit->stage == Stage::kEnds) {
-      return;  // The next one ends after this.
-    } else {
-      TellToEnd(*unit);
+    } else if (unit->stage != Stage::kEnds) {
+      unit->again = false;
+      unit->TellToEnd(kill_at_);
     }
     unit->stage = Stage::kEnds;
-    if (!late) return;
+    if (together_at_ > Clock::time_point::min()) return;  // The next one ends after this.
   }
   if (late) kill_at_ = Clock::time_point::max();
 }

@@ -87,6 +87,11 @@ void Starter::Move(const std::string& component, const std::string& to) {
   if (!ending_) mover_.Begin(component, to);
 }
 
+bool Starter::Starts(const std::string& unit) const {
+  return std::ranges::any_of(
+      units_, [&](const Unit& one) { return one.setup->name == unit && (one.again || one.stage == Stage::kJoined); });
+}
+
 std::optional<std::uint64_t> Starter::RestartAlone(const std::string& component) {
   const auto unit = std::ranges::find(units_, UnitOf(component), [](const Unit& one) { return one.setup->name; });
   if (unit == units_.end() || unit->stage != Stage::kRunning || unit->again || ending_) return std::nullopt;

@@ -233,12 +233,21 @@ class FilterReader {
       if (!Take(sign)) continue;
       std::unique_ptr<Term> term = Term::Of(kind, std::move(left), ReadOperand());
       if (kind == Kind::kMatches) SetPattern(*term);
+      RequireOneValue(*term->left, *term->right);
+      RequireOneValue(*term->right, *term->left);
       FitConstant(*term->left, *term->right);
       FitConstant(*term->right, *term->left);
       return term;
     }
     if (Skip(); text_.substr(at_).starts_with('=')) Fail("\"=\" is not a comparison; write \"==\"");
     return left;
+  }
+  void RequireOneValue(const Term& field, const Term& constant) const {
+    if (field.kind != Kind::kField || !field.path->list() || !std::holds_alternative<long double>(constant.constant)) {
+      return;
+    }
+    const std::string& name = field.path->field()->name();
+    Fail(name + " is a list; compare an item, " + name + "[0], or its size, size(" + name + ")");
   }
   // A text that is compared with an enum or a time becomes its number.
   void FitConstant(const Term& field, Term& constant) const {
@@ -327,6 +336,9 @@ class FilterReader {
       at_ = end + 1;
       std::unique_ptr<Term> term = ReadField();
       if (term->kind != Kind::kField) Fail("size() needs a field");
+      if (!term->path->list() && term->path->field()->cpp_type() != FieldDescriptor::CPPTYPE_STRING) {
+        Fail("size() needs a list, a text or bytes; " + term->path->field()->name() + " is none");
+      }
       if (!Take(")")) Fail("\")\" is missing");
       term->kind = Kind::kSize;
       return term;

@@ -13,6 +13,7 @@ namespace {
 constexpr std::uint32_t kMostMessageBytes = 64U << 20U;
 constexpr std::size_t kSizeBytes = 4;
 constexpr std::size_t kMostBytesAtOnce = 1U << 20U;  // More than a socket holds.
+constexpr std::uint32_t kLargeBytes = 1U << 17U;     // Of the messages, only states are larger.
 
 }  // namespace
 
@@ -21,10 +22,9 @@ MessageStream::~MessageStream() {
 }
 
 void MessageStream::Add(const google::protobuf::MessageLite& message) {
-  const std::string bytes = message.SerializeAsString();
-  const auto size = static_cast<std::uint32_t>(bytes.size());
+  const auto size = static_cast<std::uint32_t>(message.ByteSizeLong());
   out_.append(reinterpret_cast<const char*>(&size), kSizeBytes);
-  out_ += bytes;
+  (void)message.AppendToString(&out_);
 }
 
 bool MessageStream::Write() {
@@ -53,6 +53,13 @@ bool MessageStream::Read() {
     if (static_cast<std::size_t>(more) < buffer.size()) return true;
   }
   return !broken_;
+}
+
+bool MessageStream::receives_large() const noexcept {
+  std::uint32_t size = 0;
+  if (broken_ || in_.size() - taken_ < kSizeBytes) return false;
+  memcpy(&size, in_.data() + taken_, kSizeBytes);
+  return size > kLargeBytes;
 }
 
 bool MessageStream::Next(google::protobuf::MessageLite& message) {

@@ -30,6 +30,8 @@ class MessageStream {
   bool Read();
   /// Takes the next whole message that was read. False: there is none. What is no such message ends the stream.
   bool Next(google::protobuf::MessageLite& message);
+  /// Whether a part of a message has come that is larger than most, such as the state of a component. It takes time.
+  [[nodiscard]] bool receives_large() const noexcept;
   /// Whether something came that is no such message.
   [[nodiscard]] bool broken() const noexcept { return broken_; }
 

@@ -1,6 +1,7 @@
 #include "processes/process_end.hpp"
 
 #include <glob.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -35,6 +36,12 @@ std::string ShortEndText(int status) {
 std::string EndText(int status) {
   if (WIFSIGNALED(status)) return "it was ended by " + SignalText(status);
   return "it ended with exit code " + std::to_string(WEXITSTATUS(status));
+}
+
+bool HasCrashed(int status, bool components) {
+  if (!WIFSIGNALED(status)) return components && WEXITSTATUS(status) > 1;
+  const int number = WTERMSIG(status);
+  return number != SIGKILL && number != SIGTERM && number != SIGINT && number != SIGHUP;
 }
 
 std::string CoreName(const std::string& pattern, bool pid_is_added, pid_t pid, int signal) {

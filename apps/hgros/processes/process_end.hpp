@@ -12,6 +12,10 @@ namespace hgros::cli {
 /// The same as a state: "ended by SIGSEGV", "ended with code 3", and "ended" for code 0.
 [[nodiscard]] std::string ShortEndText(int status);
 
+/// Whether a process that was told to end did something else. Programs may choose their exit code; a process of
+/// components has 0, or 1 if one of them has failed before.
+[[nodiscard]] bool HasCrashed(int status, bool components);
+
 /// " Its core file: ...", if there is one; otherwise empty. The process had the working directory of this one.
 [[nodiscard]] std::string CoreText(int status, pid_t pid);
 

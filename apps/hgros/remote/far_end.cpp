@@ -14,7 +14,6 @@
 #include "hgros/base/error.hpp"
 #include "hosting/hosted_process.hpp"
 #include "launch/host_networks.hpp"
-#include "launch/mover.hpp"
 #include "processes/process_end.hpp"
 #include "remote/remote_units.hpp"
 #include "terminal/console.hpp"
@@ -73,7 +72,12 @@ int FarEnd::Run() {
     }
     if (over()) EndUnit();  // Before waiting: what was read of the unit may have shown that nobody listens.
     Wait();
-    if (Clock::now() >= kill_at_) unit_->Signal(SIGKILL);
+    if (Clock::now() < kill_at_) continue;
+    if (process_ != nullptr && unit_->AskToEnd()) {  // Its main thread may hang.
+      kill_at_ = Clock::now() + kEndPatience;
+    } else {
+      unit_->Signal(SIGKILL);
+    }
   }
   while (reports_.unsent() > 0 && !over()) Wait();
   return over() ? 1 : 0;
@@ -89,7 +93,7 @@ void FarEnd::Start() {
   if (!checked.faults.empty()) throw checked.faults.front();
   std::map<std::string, std::string> networks;
   if (!start_->network().empty()) networks[start_->unit()] = start_->network();
-  for (const std::string& name : start_->components()) PlaceComponent(checked.robot, name, start_->unit());
+  for (const std::string& name : start_->components()) checked.robot.Place(name, start_->unit());
   robot_ = PartOfHost(checked.robot, start_->host(), networks);
   robot_.components = checked.robot.components;  // One of another host may move here.
   const RobotUnit* setup = nullptr;
@@ -178,17 +182,20 @@ void FarEnd::HearStarter() {
 void FarEnd::Obey(const RunOrder& order) {
   ends_ = ends_ || order.has_end();
   if (unit_ == nullptr) return;
-  if (order.has_end()) kill_at_ = std::min(kill_at_, Clock::now() + kFarPatience);
+  if (order.has_end()) {
+    kill_at_ = std::min(kill_at_, Clock::now() + (order.end().save() ? kStatePatience : kEndPatience));
+  }
   if (process_ == nullptr) {
     if (order.has_end()) unit_->Signal(SIGTERM);
     return;
   }
   unit_->stream().Add(order);
   (void)unit_->stream().Write();  // If nobody reads it, the end of the process follows.
+  if (order.has_end() && !order.end().save()) (void)unit_->AskToEnd();  // A component may hang.
 }
 
 void FarEnd::EndUnit() {
-  if (kill_at_ != Clock::time_point::max()) return;
+  if (kill_at_ <= Clock::now() + kEndPatience) return;
   RunOrder order;
   (void)order.mutable_end();
   Obey(order);
@@ -199,8 +206,16 @@ void FarEnd::HearUnit(bool ended) {
   if (!ended && !gone_ && reports_.unsent() >= kFarUnsentBytes) return;
   if (!unit_->stream_ended()) {
     const bool more = unit_->stream().Read();
+    bool saves = unit_->stream().receives_large();
+    bool saved = false;
     RemoteReport report;
-    while (unit_->stream().Next(*report.mutable_run())) Tell(report);
+    while (unit_->stream().Next(*report.mutable_run())) {
+      saves = saves || report.run().stage() == RunReport::SAVING;
+      saved = saved || report.run().stage() == RunReport::SAVED;
+      Tell(report);
+    }
+    if (saves && !over() && kill_at_ != Clock::time_point::max()) kill_at_ = Clock::now() + kStatePatience;
+    if (saved && unit_->AskToEnd()) kill_at_ = std::min(kill_at_, Clock::now() + kEndPatience);
     if (!more) unit_->EndStream();
   }
   const auto hear = [this](std::string_view line) {

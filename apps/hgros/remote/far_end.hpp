@@ -11,8 +11,8 @@
 #include "hgros/component/component_catalog.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "launch/kept_component.hpp"
-#include "launch/unit_process.hpp"
 #include "processes/message_stream.hpp"
+#include "processes/unit_process.hpp"
 #include "remote/remote.pb.h"
 
 namespace hgros::cli {

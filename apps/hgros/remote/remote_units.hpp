@@ -10,17 +10,16 @@
 #include "hgros/placement/robot_file.hpp"
 #include "hgros/yaml/document.hpp"
 #include "launch/kept_component.hpp"
+#include "processes/unit_process.hpp"
 #include "remote/remote.pb.h"
 
 namespace hgros::cli {
 
 /// The starter tells every second that it is there. What it has started on another host ends if it is silent for so
-/// long,
+/// long.
 inline constexpr std::chrono::seconds kFarSilence{8};
-/// and has so long to end. Then it is killed.
-inline constexpr std::chrono::milliseconds kFarPatience{1600};
 /// So when the connection is lost, it has ended after this time.
-inline constexpr auto kFarEnd = std::chrono::ceil<std::chrono::seconds>(kFarSilence + kFarPatience);
+inline constexpr auto kFarEnd = std::chrono::ceil<std::chrono::seconds>(kFarSilence + kEndPatience);
 
 /// The processes and programs of a robot that run on other hosts, and what these need to start them.
 class RemoteUnits {

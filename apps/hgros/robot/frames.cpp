@@ -1,9 +1,14 @@
 #include "robot/frames.hpp"
 
 #include <map>
+#include <mutex>
 #include <string>
 #include <string_view>
 
+#include <hgros/SimulatedTime.pb.h>
+
+#include "hgros/clock/derived_clocks.hpp"
+#include "hgros/session/clock_publisher.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/records.hpp"
 #include "terminal/units.hpp"
@@ -14,6 +19,25 @@ namespace hgros::cli {
 Frames::Frames(Robot& robot)
     : robot_(robot), transforms_(robot.session(), {.on_received = [&robot] { robot.surroundings().pause.Wake(); }}) {
   (void)transforms_.tree();  // Subscribes.
+  if (Sends(kClockChannel)) HearClock();
+}
+
+void Frames::HearClock() {
+  clock_messages_ =
+      robot_.session().FromAny<SimulatedTime>(kClockChannel, Invoke::kSerial, [this](const SimulatedTime& time) {
+        const auto clock = SimulatedClock::Paused(Time{time.time_ns()});
+        if (!time.paused() && !time.ended() && time.rate() > 0 && time.rate() <= SimulatedClock::kMostRate) {
+          clock->SetRate(time.rate());
+          clock->Resume();
+        }
+        const std::scoped_lock lock(clock_mutex_);
+        clock_ = clock;
+      });
+}
+
+Time Frames::Now() const {
+  const std::scoped_lock lock(clock_mutex_);
+  return clock_ ? clock_->Now() : robot_.session().clock()->Now();
 }
 
 bool Frames::Sends(std::string_view channel) const {
@@ -42,6 +66,9 @@ void Frames::Collect(std::chrono::nanoseconds time) {
 void WriteFrames(Robot& robot, const RobotOptions& options) {
   Frames frames(robot);
   frames.Collect(options.Timeout(std::chrono::seconds(1)));
+  if (!frames.AnySender() && !robot.Channels(true).empty()) {
+    robot.surroundings().console.Say("No session sends transforms. Sessions of other hosts are met with --connect.");
+  }
   const Time now = frames.Now();
   Records records(robot.surroundings().console, options.style,
                   {{"frame", "FRAME"},

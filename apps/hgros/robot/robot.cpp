@@ -3,13 +3,16 @@
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -101,9 +104,32 @@ class NameQuestion {
   const std::shared_ptr<Answer> answer_ = std::make_shared<Answer>();
 };
 
-// Whether a connection to "tcp://HOST:PORT" is accepted now.
+bool Accepts(const sockaddr* address, socklen_t size) {
+  const int fd = socket(address->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd < 0) return false;
+  bool accepted = false;
+  if (connect(fd, address, size) == 0 || errno == EINPROGRESS) {
+    pollfd connected{fd, POLLOUT, 0};
+    accepted = poll(&connected, 1, 200) == 1 && (connected.revents & (POLLERR | POLLHUP)) == 0;
+  }
+  close(fd);
+  return accepted;
+}
+
+// Whether a connection to "tcp://HOST:PORT" or "ipc://PATH" is accepted now.
 bool SomebodyListensAt(const std::string& endpoint) {
   constexpr std::string_view kTcp = "tcp://";
+  constexpr std::string_view kIpc = "ipc://";
+  if (endpoint.starts_with(kIpc)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string path = endpoint.substr(kIpc.size());
+    if (path.size() >= sizeof(address.sun_path)) return false;
+    std::ranges::copy(path, std::begin(address.sun_path));
+    if (path.starts_with('@')) address.sun_path[0] = '\0';  // A name that is no file.
+    const std::size_t size = offsetof(sockaddr_un, sun_path) + path.size() + (path.starts_with('@') ? 0 : 1);
+    return Accepts(reinterpret_cast<const sockaddr*>(&address), static_cast<socklen_t>(size));
+  }
   const std::size_t colon = endpoint.rfind(':');
   if (!endpoint.starts_with(kTcp) || colon <= kTcp.size()) return false;
   const std::string host = endpoint.substr(kTcp.size(), colon - kTcp.size());
@@ -113,13 +139,7 @@ bool SomebodyListensAt(const std::string& endpoint) {
   if (getaddrinfo(host.c_str(), endpoint.c_str() + colon + 1, &hints, &found) != 0) return false;
   bool accepted = false;
   for (const addrinfo* one = found; one != nullptr && !accepted; one = one->ai_next) {
-    const int fd = socket(one->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (fd < 0) continue;
-    if (connect(fd, one->ai_addr, one->ai_addrlen) == 0 || errno == EINPROGRESS) {
-      pollfd connected{fd, POLLOUT, 0};
-      accepted = poll(&connected, 1, 200) == 1 && (connected.revents & (POLLERR | POLLHUP)) == 0;
-    }
-    close(fd);
+    accepted = Accepts(one->ai_addr, one->ai_addrlen);
   }
   freeaddrinfo(found);
   return accepted;
@@ -145,6 +165,8 @@ Robot::Robot(const RobotOptions& options, const Surroundings& surroundings)
                                     surroundings_.pause.Wake();
                                   },
                                   {.executor = Executor::Inline()});
+  other_hosts_by_ = std::chrono::steady_clock::now() +
+                    std::min<std::chrono::nanoseconds>(options.Timeout(2 * kAnswerTime) / 2, kAnswerTime);
   AwaitEndpoints();
 }
 
@@ -191,8 +213,8 @@ bool Robot::MeetsSomebody() const {
   });
 }
 
-// A session that is met in shared memory, too, is not listed with its endpoint. Then it is enough that something
-// listens there.
+// A session that is met in shared memory, too, or has connected to this one first, is not listed with its endpoint.
+// Then it is enough that something listens there.
 void Robot::AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock::time_point deadline, bool required) {
   const auto answers = [&] {
     return std::ranges::any_of(session_->Peers(), [&](const PeerInfo& peer) { return peer.endpoint == endpoint; });
@@ -228,7 +250,18 @@ void Robot::AwaitEndpoints() {
   }
 }
 
+// Nobody knows how many there are.
+void Robot::AwaitOtherHosts() const {
+  if (!session_->config().discovery.lan || std::chrono::steady_clock::now() >= other_hosts_by_) return;
+  const Progress progress(surroundings_.console, surroundings_.pause, "waiting for sessions of other hosts",
+                          other_hosts_by_ - std::chrono::steady_clock::now());
+  while (std::chrono::steady_clock::now() < other_hosts_by_) {
+    if (surroundings_.pause.Until(other_hosts_by_) == Pause::End::kInterrupted) throw OutputClosed();
+  }
+}
+
 std::vector<KnownChannel> Robot::Channels(bool own) const {
+  AwaitOtherHosts();
   std::vector<KnownChannel> channels = session_->Channels();
   const auto is_ours = [this](const ChannelUser& user) { return user.session == session_->id(); };
   for (KnownChannel& channel : channels) {
@@ -266,6 +299,7 @@ std::map<SessionId, ChannelUser> Robot::Countable() const {
 }
 
 std::map<SessionId, std::shared_ptr<const Snapshot>> Robot::Counters() {
+  AwaitOtherHosts();
   // The other half of --timeout is left for what the command does then.
   const auto deadline = std::chrono::steady_clock::now() + options_.Timeout(2 * kAnswerTime) / 2;
   std::map<SessionId, ChannelUser> countable = Countable();

@@ -27,7 +27,8 @@ class Robot {
 
   [[nodiscard]] Session& session() noexcept { return *session_; }
   [[nodiscard]] const Surroundings& surroundings() const noexcept { return surroundings_; }
-  /// All channels that other sessions use, sorted by name. `own`: also those of the library itself.
+  /// All channels that other sessions use, sorted by name. `own`: also those of the library itself. With `lan: true`
+  /// the first call waits up to a second, or half of --timeout, for sessions of other hosts.
   [[nodiscard]] std::vector<KnownChannel> Channels(bool own) const;
   /// Says which of the channels nobody publishes on, with the nearest name. Somebody may begin later, so it is no
   /// error.
@@ -46,6 +47,7 @@ class Robot {
   // Throws if the host of --connect has no address. Drops endpoints of --config whose hosts have none.
   void RequireAddresses(Config& config) const;
   void AwaitEndpoints();
+  void AwaitOtherHosts() const;
   // Whether any other session is known.
   [[nodiscard]] bool MeetsSomebody() const;
   void AwaitEndpoint(const std::string& endpoint, std::chrono::steady_clock::time_point deadline, bool required);
@@ -55,7 +57,8 @@ class Robot {
   const Surroundings surroundings_;
   const RobotOptions& options_;
   std::unique_ptr<Session> session_;
-  mutable std::mutex mutex_;  // Guards the next.
+  std::chrono::steady_clock::time_point other_hosts_by_{};  // Until then they may be found.
+  mutable std::mutex mutex_;                                // Guards the next.
   std::map<SessionId, std::shared_ptr<const Snapshot>> counters_;
   std::map<SessionId, ChannelUser> silent_;
   bool waited_ = false;

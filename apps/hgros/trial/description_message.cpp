@@ -70,6 +70,7 @@ TrialStep::Made MessageOf(const ComponentDescription& description) {
     to.set_type(one.type);
     to.set_fallback(one.fallback);
   }
+  made.set_transforms(description.transforms);
   made.set_state(description.state);
   for (const auto& [type, fingerprint] : description.fingerprints) {
     TrialStep::Fingerprint& to = *made.add_fingerprints();
@@ -97,6 +98,7 @@ ComponentDescription DescriptionFrom(const TrialStep::Made& made) {
     if (one.has_most()) info.most = one.most();
     description.params.push_back({one.path(), std::move(info), one.type(), one.fallback()});
   }
+  description.transforms = made.transforms();
   description.state = made.state();
   for (const TrialStep::Fingerprint& one : made.fingerprints())
     description.fingerprints.emplace(one.type(), one.value());

@@ -22,9 +22,7 @@ std::string NameIn(const std::string& yaml) {
 
 }  // namespace
 
-std::filesystem::path RepositoryFolder() {
-  return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path().parent_path();
-}
+std::filesystem::path RepositoryFolder() { return HGROS_REPOSITORY; }
 
 std::vector<DocumentedFile> FilesOfPage(const std::string& page) {
   std::vector<DocumentedFile> files;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <foxglove/KeyValuePair.pb.h>
 #include <hgros/component/component.hpp>
@@ -124,5 +125,60 @@ class Judging {
   std::atomic<int> last_ = 0;
 };
 HGROS_COMPONENT(Judging, "moving/Judging")
+
+// Its state is the last number.
+class Numbered {
+ public:
+  [[nodiscard]] KeyValuePair Save() const {
+    KeyValuePair state;
+    state.set_value(std::to_string(last_));
+    return state;
+  }
+  void Restore(const KeyValuePair& state) { last_ = std::stoi(state.value()); }
+
+ protected:
+  int last_ = 0;
+};
+
+// Publishes the numbers from 1 every 10 ms while there is room.
+class Source : public Numbered {
+ public:
+  explicit Source(hgros::Context& context) : numbers_(context.Advertise<KeyValuePair>("number")) {
+    context.CreateTimer("next", std::chrono::milliseconds(10), [this](const hgros::Tick&) {
+      auto message = std::make_unique<KeyValuePair>();
+      message->set_value(std::to_string(last_ + 1));
+      if (numbers_(std::move(message)) == hgros::PublishStatus::kOk) ++last_;
+    });
+  }
+
+ private:
+  hgros::Publisher<KeyValuePair> numbers_;
+};
+HGROS_COMPONENT(Source, "moving/Source")
+
+// Takes longer for a number than Source, and says which do not come one after the other.
+class Slow : public Numbered {
+ public:
+  explicit Slow(hgros::Context& context) : log_(context.log()) {
+    context.FromAny<KeyValuePair>("number", hgros::Invoke::kSerial,
+                                  [this](const KeyValuePair& message) { Take(std::stoi(message.value())); },
+                                  {.name = {}, .queue = hgros::Queue::KeepAll(50), .executor = {}});
+  }
+
+ private:
+  void Take(int number) {
+    if (number != last_ + 1) {
+      log_.Write(hgros::LogLevel::kWarning, "got " + std::to_string(number) + " after " + std::to_string(last_));
+    }
+    last_ = number;
+    std::unique_lock lock(mutex_);
+    (void)never_.wait_for(lock, std::chrono::milliseconds(30), [] { return false; });
+    if (number % 50 == 0) log_.Write(hgros::LogLevel::kInfo, "has " + std::to_string(number) + ".");
+  }
+  hgros::Log& log_;
+  std::mutex mutex_;
+  std::condition_variable never_;
+};
+HGROS_COMPONENT(Slow, "moving/Slow")
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include <foxglove/KeyValuePair.pb.h>
 #include <foxglove/PoseInFrame.pb.h>
 #include <hgros/component/component.hpp>
+#include <hgros/tf/transforms.hpp>
 
 namespace {
 
@@ -70,7 +71,7 @@ HGROS_COMPONENT(Checker, "relay/Checker")
 // Does what its parameter says, soon after it runs.
 class Does {
  public:
-  explicit Does(hgros::Context& context) : context_(context), what_(context.Declare("what", std::string("nothing"))) {
+  explicit Does(hgros::Context& context) : context_(context), what_(context.Declare("what", "nothing")) {
     const bool again = std::exchange(constructed_before, true);
     if (what_ == "throw at start" || (what_ == "throw at restart" && again)) {
       throw std::runtime_error("there is no laser at /dev/ttyUSB0");
@@ -89,13 +90,17 @@ class Does {
     context_.log().Write(hgros::LogLevel::kInfo, "I end.");
     if (what_ == "finish once" && done_) Wait(std::chrono::seconds(1));
     while (what_ == "hang at end") (void)pause();
+    if (what_ == "crash at end") std::abort();
   }
 
  private:
   void Do() {
     if (done_) return;
+    if (what_ == "throw always") throw std::runtime_error("it is always too dark");
     done_ = true;
     if (what_ == "crash") std::abort();
+    if (what_ == "hang") context_.log().Write(hgros::LogLevel::kInfo, "I hang.");
+    while (what_ == "hang") (void)pause();
     if (what_ == "exit") std::exit(7);
     if (what_ == "exit well") _exit(0);
     if (what_ == "fail") context_.Fail("the laser is broken");
@@ -211,5 +216,28 @@ class Pose {
   hgros::ServiceClient<KeyValuePair, KeyValuePair> plans_;
 };
 HGROS_COMPONENT(Pose, "relay/Pose")
+
+// Sets edges of its own, and says when it can look up those of the other one.
+class Frames {
+ public:
+  explicit Frames(hgros::Context& context) : context_(context) {
+    const std::string own = context.Declare("sets", "");
+    const std::string other = context.Declare("sees", "");
+    if (context.Declare("declares", true)) (void)context.transforms();
+    context.CreateTimer("look", std::chrono::milliseconds(20), [this, own, other](const hgros::Tick&) {
+      hgros::Transforms& transforms = context_.transforms();
+      (void)transforms.ToTF(hgros::WallNow(), "map", own, hgros::RigidTransform());
+      (void)transforms.ToStaticTF(own, own + "_still", hgros::RigidTransform());
+      if (transforms.FromTF(own + "_still", other + "_still") && !std::exchange(sees_, true)) {
+        context_.log().Write(hgros::LogLevel::kInfo, "It sees " + other + ".");
+      }
+    });
+  }
+
+ private:
+  hgros::Context& context_;
+  bool sees_ = false;
+};
+HGROS_COMPONENT(Frames, "relay/Frames")
 
 }  // namespace

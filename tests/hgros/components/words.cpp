@@ -13,7 +13,10 @@ class Counter {
       : step_(context.Declare("step", 1,
                               {.description = "Added by each word.", .unit = "words", .least = 1, .most = 10})),
         counts_(context.Advertise<KeyValuePair>("count")) {
-    context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair&) { count_ += step_; });
+    context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair&) {
+      count_ += step_;
+      counts_(Save());
+    });
     context.Serve<KeyValuePair, KeyValuePair>("reset", [](const KeyValuePair& request) { return request; });
     context.CreateTimer("report", std::chrono::milliseconds(250), [](const hgros::Tick&) {});
   }

@@ -254,6 +254,23 @@ TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
                           "Sessions use different versions of the library: 1 in listener:2; 2 in talker:1."));
 }
 
+TEST_F(DoctorChecks, AdviseAgainstTheCauseOfSocketsOnOneHost) {
+  AddChannel("scan", true, true);
+  Snapshot::Peer& peer = *const_cast<Snapshot&>(*evidence.after[SessionId{1}]).add_peers();
+  peer.set_session(2);
+  peer.set_transport("ZeroMQ");
+  *const_cast<Snapshot&>(*evidence.before[SessionId{1}]).add_peers() = peer;
+  const auto advice = [&](const std::string& why) {
+    peer.set_why(why);
+    Findings findings;
+    CheckSessions(evidence, findings);
+    return findings.empty() ? std::string() : findings.front().fix;
+  };
+  EXPECT_THAT(advice("not found on this host"), HasSubstr("one user"));
+  EXPECT_THAT(advice("discovery on this host is off"), HasSubstr("discovery: {local: true}"));
+  EXPECT_THAT(advice("shared memory does not reach it yet"), HasSubstr("in their logs"));
+}
+
 TEST_F(DoctorChecks, BearCountersThatAreMissingOrRunBackwards) {
   AddChannel("scan", true, true);
   const auto [before, after] = Count(2, "scan");

@@ -53,10 +53,10 @@ TEST(EveryCommand, EndsWithASentenceWhenTheSessionDiesWhileItIsAsked) {
 }
 
 TEST(EveryCommand, ShowsNothingRawThatARobotHasChosen) {
-  const std::string escapes = "\x1b]0;owned\x07\x1b[31m\xC2\x9B\x7F\xE2\x80\xAE\xFF\r\n";
+  const std::string escapes = "\x1b]0;owned\x07\x1b[31m\xC2\x9B\x7F\xE2\x80\xAE\r\n";
   RobotForCommands robot("robot");
   const Everything everything(robot.session(), escapes);
-  const auto grip = std::make_shared<const std::string>(GripBytes(1, "a\x1b[31m"));
+  const auto grip = std::make_shared<const std::string>(GripBytes(1, "a\xFF" + escapes));
   const NodeTimer timer = robot.session().CreateTimer("grip", std::chrono::milliseconds(20), [&](const Tick&) {
     (void)robot.session().ToAnyRaw("grip", GripSchema(), {AsBytes(*grip), grip});
   });

@@ -18,8 +18,8 @@ class Everything {
  public:
   Everything(Session& session, const std::string& more) : transforms_(session) {
     status_ = session.Advertise<foxglove::Log>("status", {.latched = 1});
-    heard_ = session.FromAny<foxglove::Log>("status", Invoke::kSerial, [](const foxglove::Log&) {},
-                                            {.name = "hearing" + more});
+    heard_ =
+        session.FromAny<foxglove::Log>("status", Invoke::kSerial, [](const foxglove::Log&) {}, {.name = "hearing"});
     service_ = session.Serve<foxglove::Log, foxglove::Log>("ask", [more](const foxglove::Log& log) {
       foxglove::Log reply = log;
       reply.set_message(log.message() + more);

@@ -180,6 +180,18 @@ TEST(HgrosService, AComponentIsConstructedAgainInPlace) {
   EXPECT_EQ(run.Wait(), 128 + SIGTERM);
 }
 
+TEST(HgrosService, ThatItIsNotConstructedAgainAnyMoreIsSaidOnce) {
+  const RobotFolder robot("components: {a: {type: relay/Does, restart: on-exception, params: {what: throw always}}}\n");
+  CommandRun run(ArgumentsOf(robot, "main"), robot.environment());
+  const std::string said = "It was constructed again 5 times within a minute, and now is not.";
+  ASSERT_TRUE(test::Await([&] { return run.err().find(said) != std::string::npos; })) << run.err();
+  test::Linger(std::chrono::milliseconds(300));  // Some more exceptions.
+  const std::string err = run.err();
+  EXPECT_EQ(err.find(said, err.find(said) + 1), std::string::npos) << err;
+  run.Signal(SIGTERM);
+  EXPECT_EQ(run.Wait(), 128 + SIGTERM);
+}
+
 TEST(HgrosService, AFaultOfAnotherProcessDoesNotMatter) {
   const RobotFolder robot(
       "components: {a: {type: relay/Does, params: {what: finish}}, b: {type: relay/Does, params: {what: throw at "

@@ -119,7 +119,7 @@ TEST(HgrosCheckpoint, ARestartOnRequestLosesNothingOfALargeState) {
   robot.Say("one");
   ASSERT_TRUE(robot.Prints("counts 1."));
   EXPECT_EQ(robot.Ask({"restart", "p"}).status, 0);
-  EXPECT_TRUE(robot.Prints("begins at 1."));
+  EXPECT_TRUE(robot.Prints("begins at 1.")) << robot.out();
 }
 
 TEST(HgrosCheckpoint, LargeStatesCostNoLinesOfTheLog) {
@@ -169,12 +169,13 @@ TEST(HgrosCheckpoint, ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAg
 
 TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsAtItsEndLosesNoState) {
   RunningRobot robot(
-      "components: {counter: {type: relay/Counter, params: {hangs_at_end: true}}, other: {type: relay/Does}}\n"
-      "processes: {p: {components: [counter]}}\n");
+      "components: {other: {type: relay/Does}, counter: {type: relay/Counter, params: {hangs_at_end: true}}}\n"
+      "processes: {p: {components: [other, counter]}}\n");
   ASSERT_TRUE(robot.Prints("other    I run."));
   robot.Say("one");
   ASSERT_TRUE(robot.Prints("counts 1."));
   EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("other    I end."));
   EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
   EXPECT_TRUE(robot.Prints("begins at 1."));
 }
@@ -333,6 +334,8 @@ TEST(HgrosCheckpoint, TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAga
   ASSERT_TRUE(robot.HasCheckpoint(1));
   robot.Say("hang");
   EXPECT_TRUE(robot.Prints("A callback has not returned after "));
+  EXPECT_TRUE(robot.Prints("A component was not constructed again in time, so it ends and starts again."));
+  EXPECT_TRUE(robot.Prints("other    I end."));
   EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
   EXPECT_TRUE(robot.Prints("begins at 1."));
   robot.Say("two");

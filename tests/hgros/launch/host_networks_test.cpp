@@ -76,6 +76,37 @@ TEST_F(HostNetworksTest, HaveExactlyTheChannelsThatTheOtherHostUses) {
                              "    - {ip: \"tcp://10.0.0.1:5651\", channels: [\"hgros/call/plan\", \"image\"]}\n"}}));
 }
 
+TEST_F(HostNetworksTest, HaveTransformsBetweenComponentsThatUseThem) {
+  descriptions_[2].transforms = true;  // The viewer.
+  EXPECT_EQ(Networks().count("viewer"), 0U) << "There is no other one.";
+  descriptions_[3].transforms = true;  // The mapper.
+  EXPECT_EQ(Networks().at("viewer"),
+            "network:\n"
+            "  publisher: {ip: \"tcp://*:5652\", channels: [\"tf\", \"tf_static\"]}\n"
+            "  subscribers:\n"
+            "    - {ip: \"tcp://[fe80::2]:6000\", channels: [\"tf\", \"tf_static\"]}\n");
+  EXPECT_NE(Networks().at("mapper").find("{ip: \"tcp://10.0.0.1:5652\", channels: [\"tf\", \"tf_static\"]}"),
+            std::string::npos);
+  EXPECT_EQ(Networks().at("camera").find("tf"), std::string::npos);
+
+  // What names the channels itself exchanges them with those.
+  descriptions_[2].transforms = false;
+  descriptions_[2].inputs = {{"tf", "tf", "foxglove.FrameTransforms", "viewer/tf"}};
+  EXPECT_EQ(Networks().at("viewer"),
+            "network:\n"
+            "  subscribers:\n"
+            "    - {ip: \"tcp://[fe80::2]:6000\", channels: [\"tf\"]}\n");
+  RobotProgram& screen = robot_.programs.emplace_back();
+  screen.name = "screen";
+  screen.publishes = {"tf_static"};
+  EXPECT_NE(Networks().at("mapper").find("5653\", channels: [\"tf_static\"]"), std::string::npos);
+
+  descriptions_[3].state = "x.S";  // The mapper may move to the camera's process.
+  EXPECT_EQ(Networks().at("camera").find("tf"), std::string::npos) << "Nothing there exchanges them with another host.";
+  Add("driver", "base").transforms = true;
+  EXPECT_NE(Networks().at("camera").find("\"tf\", \"tf_static\"]"), std::string::npos);
+}
+
 TEST_F(HostNetworksTest, HaveTheKeysOfTheHosts) {
   robot_.hosts[0].key = kKey;
   robot_.hosts[0].secret_key_file = "/cart.key";
@@ -87,6 +118,19 @@ TEST_F(HostNetworksTest, HaveTheKeysOfTheHosts) {
                         "\"]\n    servers:\n      \"tcp://[fe80::2]:6000\": \"" + kOtherKey + "\"\n"),
             std::string::npos)
       << camera;
+}
+
+TEST_F(HostNetworksTest, FaultsOfAKeyFileHaveThePlaceOfTheHost) {
+  robot_.hosts[0].at = {"robot.yaml", 3, 5};
+  robot_.hosts[0].key = kKey;
+  robot_.hosts[0].secret_key_file = "/nowhere/cart.key";
+  robot_.hosts[1].key = kOtherKey;
+  robot_.hosts[1].secret_key_file = "/base.key";
+  const std::string fault = FaultOf([this] { (void)PartOfHost(robot_, "cart", Networks()); });
+  EXPECT_TRUE(
+      fault.starts_with("robot.yaml:3:5: hosts.cart.secret_key_file names \"/nowhere/cart.key\", which "
+                        "cannot be read"))
+      << fault;
 }
 
 TEST_F(HostNetworksTest, ProgramsHaveWhatTheySayThatTheyExchange) {

@@ -186,6 +186,20 @@ TEST(HgrosMove, WaitsForALosslessSubscriberThatStandsStill) {
   robot.End();
 }
 
+TEST(HgrosMove, ASubscriberWhoseProcessHasEndedHoldsNothingUp) {
+  std::string text = kMoving;
+  text.replace(text.find("  does:"), 0, "  other: {type: moving/Judging, remap: {ask: ask_other}}\n");
+  text.replace(text.find("[witness]"), 9, "[witness, other]");
+  MovingRobot robot(text);
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  ASSERT_EQ(kill(robot.PidOf("beside"), SIGKILL), 0);
+  ASSERT_TRUE(robot.Prints("it was ended by SIGKILL")) << robot.out();
+  const CommandEnd moved = robot.Move("b");
+  EXPECT_EQ(moved.status, 0) << moved.err;
+  EXPECT_TRUE(robot.Ask()) << robot.out();
+  robot.End();
+}
+
 // A session stays a publisher when its component has left, so the old place counts the new one.
 TEST(HgrosMove, AComponentFollowsItsPublisherToAPlaceWhichThatHasLeft) {
   MovingRobot robot(
@@ -242,6 +256,50 @@ TEST(HgrosRestart, OfAComponentLosesNothingAndRepeatsNothing) {
   EXPECT_THAT(robot.out(), Not(HasSubstr("error")));
 }
 
+TEST(HgrosMove, APublisherFollowsItsSlowSubscriberWithoutOvertakingWhatWaits) {
+  MovingRobot robot(
+      "components:\n"
+      "  source: {type: moving/Source}\n"
+      "  slow: {type: moving/Slow}\n"
+      "  judging: {type: moving/Judging, remap: {passed: number}}\n"
+      "processes:\n"
+      "  ends: {components: [judging]}\n"
+      "  a: {components: [source, slow]}\n"
+      "  b: {}\n");
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  ASSERT_TRUE(robot.Prints("has 50.")) << robot.out();  // Its queue is full.
+  for (const std::string to : {"b", "a", "b"}) {
+    for (const std::string component : {"slow", "source"}) {
+      const CommandEnd end = robot.Command({"move", component, "--to", to});
+      EXPECT_EQ(end.status, 0) << end.err << robot.out();
+    }
+  }
+  const int now = robot.Count();
+  EXPECT_TRUE(test::Await([&] { return robot.Count() > now + 100; }));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("warning: got "))) << robot.out();
+  robot.End();
+}
+
+TEST(HgrosMove, StaysIfNothingLeadsFromItsPublisherToTheNewPlace) {
+  MovingRobot robot(
+      "channels: {number: {transports: [zmq]}}\n"  // And no endpoint.
+      "components:\n"
+      "  source: {type: moving/Source}\n"
+      "  slow: {type: moving/Slow}\n"
+      "  judging: {type: moving/Judging, remap: {passed: number}}\n"
+      "processes:\n"
+      "  a: {components: [source, slow, judging]}\n"
+      "  b: {}\n");
+  ASSERT_TRUE(robot.Runs()) << robot.out();
+  const CommandEnd end = robot.Command({"move", "slow", "--to", "b"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.err, HasSubstr("Not all publishers of the channel \"number\" were connected after 10 s."));
+  EXPECT_THAT(robot.Command({"ps"}).out, testing::ContainsRegex("slow +moving/Slow +a "));
+  EXPECT_TRUE(robot.Ask());
+  EXPECT_THAT(robot.out(), Not(HasSubstr("warning: got "))) << robot.out();
+  robot.End();
+}
+
 TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
   MovingRobot robot;
   ASSERT_TRUE(robot.Runs()) << robot.out();
@@ -282,8 +340,10 @@ TEST(HgrosMove, SaysWhyItCannot) {
   EXPECT_THAT(fault({"move", "passing"}), HasSubstr("Say where: `hgros move passing --to PROCESS`."));
   EXPECT_THAT(fault({"move", "pasing", "--to", "b"}),
               HasSubstr("The robot has no component \"pasing\". Did you mean \"passing\"?"));
-  EXPECT_THAT(fault({"move", "passing", "--to", "end"}),
-              HasSubstr("The robot has no process or host \"end\". Did you mean \"ends\"?"));
+  EXPECT_THAT(
+      fault({"move", "passing", "--to", "end"}),
+      HasSubstr(
+          "This hgros run has started no process \"end\", and the robot has no such host. Did you mean \"ends\"?"));
   EXPECT_THAT(fault({"move", "passing", "--to", "program"}), HasSubstr("\"program\" is a program."));
   EXPECT_THAT(fault({"move", "does", "--to", "a"}),
               AllOf(HasSubstr("\"does\" was not moved to \"a\". It runs on in \"c\"."),

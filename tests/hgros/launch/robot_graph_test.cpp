@@ -49,6 +49,24 @@ TEST_F(RobotGraphTest, CountsNodesHereAndOtherProcesses) {
   EXPECT_EQ(SubscribersOf("pc"), Subscribers());
 }
 
+TEST_F(RobotGraphTest, ComponentsThatUseTransformsPublishThem) {
+  Add("a").inputs = {Channel("tf", "foxglove.FrameTransforms")};
+  EXPECT_EQ(Findings().size(), 1U);
+  Add("b").transforms = true;
+  EXPECT_EQ(Findings(), std::vector<std::string>());
+}
+
+TEST_F(RobotGraphTest, KnowsWhichComponentsMeet) {
+  Add("camera").outputs = {Channel("image"), Channel("state")};
+  Add("detector").inputs = {Channel("image")};
+  Add("viewer").inputs = {Channel("image"), Channel("map")};
+  const RobotGraph graph(robot_, descriptions_);
+  EXPECT_TRUE(graph.Meet("camera", "detector"));
+  EXPECT_TRUE(graph.Meet("viewer", "camera"));
+  EXPECT_FALSE(graph.Meet("detector", "viewer"));
+  EXPECT_FALSE(graph.Meet("camera", "camera"));
+}
+
 TEST_F(RobotGraphTest, CountsOnlyProcessesThatFindEachOther) {
   Add("a").outputs = {Channel("scan")};
   Add("b").inputs = {Channel("scan")};

@@ -76,6 +76,13 @@ TEST(HgrosRun, CutsLinesOfTheLogThatAreVeryLong) {
   EXPECT_THAT(run.out(), HasSubstr("I end."));
 }
 
+// Starts the part of `host` in a network namespace.
+std::unique_ptr<CommandRun> StartOn(const RobotFolder& robot, const std::string& host, const std::string& space) {
+  return std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", space, HGROS_COMMAND, "run",
+                                                               robot.file(), "--host", host, "--name", host},
+                                      robot.environment(), -1, "/sbin/ip");
+}
+
 TEST(HgrosRun, HostsStartTheirPartsInAnyOrder) {
   for (const bool home_first : {true, false}) {
     const test::Cable cable;
@@ -101,6 +108,43 @@ TEST(HgrosRun, HostsStartTheirPartsInAnyOrder) {
   }
 }
 
+TEST(HgrosRun, TransformsPassBetweenHosts) {
+  const test::Cable cable;
+  if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "Network namespaces need root.";
+  const RobotFolder robot(
+      "hosts: {cart: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
+      "discovery: {local: false}\n"
+      "components:\n"
+      "  one: {type: relay/Frames, params: {sets: a, sees: b}}\n"
+      "  two: {type: relay/Frames, params: {sets: b, sees: a}}\n"
+      "  late: {type: relay/Frames, params: {sets: c, sees: a, declares: false}}\n"
+      "processes: {p: {components: [two], host: base, restart: on-failure}, q: {components: [late]}}\n");
+  const auto cart = StartOn(robot, "cart", cable.left);
+  const auto base = StartOn(robot, "base", cable.right);
+  EXPECT_TRUE(cart->Prints(" It sees b.")) << cart->out() << base->out();
+  EXPECT_TRUE(base->Prints(" It sees a.")) << cart->out() << base->out();
+  EXPECT_TRUE(
+      cart->Prints("late  warning: It uses transforms, but its constructor did not ask for them, so "
+                   "they do not pass between the hosts of the robot."))
+      << cart->out();
+  const auto count = [](const std::string& text, const std::string& part) {
+    std::size_t found = 0;
+    for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++found;
+    return found;
+  };
+  // A process that is killed and started again does not share its static edges with the dead one.
+  ASSERT_EQ(kill(PidsIn(base->out()).at(0), SIGKILL), 0);
+  EXPECT_TRUE(test::Await([&] { return count(base->out(), " It sees a.") == 2; })) << base->out();
+  test::Linger(std::chrono::seconds(3));  // The other host takes 5 s to know that it has died.
+  for (const auto& run : {std::ref(*cart), std::ref(*base)}) {
+    run.get().Signal(SIGINT);
+    (void)run.get().Wait();
+  }
+  const std::string out = cart->out() + base->out();
+  EXPECT_EQ(count(out, "It uses transforms, but"), 1U) << out;
+  EXPECT_EQ(count(out, "Two sessions set"), 0U) << out;
+}
+
 TEST(HgrosRun, HostsWithKeysExchangeMessages) {
   const test::Cable cable;
   if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "Network namespaces need root.";
@@ -113,22 +157,17 @@ TEST(HgrosRun, HostsWithKeysExchangeMessages) {
                           "discovery: {local: false}\n"
                           "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
                           "processes: {p: {components: [numbers], host: base}}\n");
-  const auto start = [&](const std::string& host, const std::string& space) {
-    return std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", space, HGROS_COMMAND, "run",
-                                                                 robot.file(), "--host", host, "--name", host},
-                                        robot.environment(), -1, "/sbin/ip");
-  };
   const auto write = [&](const std::string& name, const std::string& key) {
     std::ofstream(robot.path(name)) << key;
     std::filesystem::permissions(robot.path(name), std::filesystem::perms::owner_read);
   };
   write("base.key", base_keys.secret_key);
-  const auto refused = start("cart", cable.left);
+  const auto refused = StartOn(robot, "cart", cable.left);
   EXPECT_NE(refused->Wait(), 0);
   EXPECT_THAT(refused->err(), HasSubstr("cart.key\", which cannot be read"));
   write("cart.key", cart_keys.secret_key);
-  const auto base = start("base", cable.right);
-  const auto cart = start("cart", cable.left);
+  const auto base = StartOn(robot, "base", cable.right);
+  const auto cart = StartOn(robot, "cart", cable.left);
   EXPECT_EQ(cart->Wait(), 0) << cart->out() << cart->err();
   EXPECT_EQ(base->Wait(), 0) << base->out() << base->err();
   EXPECT_THAT(cart->out(), HasSubstr("It has finished: all 100"));
@@ -154,13 +193,8 @@ TEST(HgrosRun, ProgramsExchangeWhatTheySayWithOtherHosts) {
       ", pub, word, '{value: one}', --type, foxglove.KeyValuePair, --timeout, 15]}\n"
       "  deaf: {host: base, command: [" +
       hgros + ", echo, number, --once, --timeout, 3]}\n");
-  const auto start = [&](const std::string& host, const std::string& space) {
-    return std::make_unique<CommandRun>(
-        std::vector<std::string>{"netns", "exec", space, hgros, "run", robot.file(), "--host", host, "--name", host},
-        robot.environment(), -1, "/sbin/ip");
-  };
-  const auto cart = start("cart", cable.left);
-  const auto base = start("base", cable.right);
+  const auto cart = StartOn(robot, "cart", cable.left);
+  const auto base = StartOn(robot, "base", cable.right);
   EXPECT_EQ(base->Wait(), 1) << "What says nothing gets nothing: " << base->out() << base->err();
   const auto exits = [&](const std::string& program) {
     return testing::ContainsRegex(program + " +error: The process has failed: it ended with exit code");
@@ -348,6 +382,49 @@ TEST(HgrosRun, KillsWhatDoesNotEnd) {
   EXPECT_THAT(run.out(), HasSubstr("did not end in time, and is killed."));
   for (const pid_t pid : PidsIn(run.out())) EXPECT_FALSE(Runs(pid));
   EXPECT_THAT(robot.FilesLeft(), testing::IsEmpty());
+}
+
+TEST(HgrosRun, DeactivatesComponentsThatWaitForOneOfTheirProcess) {
+  for (const auto& [what, begun] :
+       {std::pair("hang", "  I hang."), std::pair("hang at start", "p  warning: An Activate()"),
+        std::pair("hang at end", "c  I run.")}) {
+    const RobotFolder robot(
+        std::string("components:\n  a: {type: relay/Does}\n  b: {type: relay/Does, params: {what: ") + what +
+        "}}\n  c: {type: relay/Does, params: {what: " + what + "}}\nprocesses: {p: {components: [a, b, c]}}\n");
+    CommandRun run(robot.Arguments(), robot.environment());
+    ASSERT_TRUE(run.Prints(begun)) << run.out();
+    run.Signal(SIGINT);
+    EXPECT_EQ(run.Wait(), 128 + SIGINT);
+    EXPECT_THAT(run.out(), HasSubstr("a  I end.")) << what;
+    EXPECT_THAT(run.out(), HasSubstr("It holds up the end of its process.")) << what;
+    EXPECT_THAT(run.out(), HasSubstr("did not end in time, and is killed.")) << what;
+  }
+}
+
+TEST(HgrosRun, TellsOfACrashAtItsEnd) {
+  const RobotFolder robot("components: {a: {type: relay/Does, params: {what: crash at end}}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("I run."));
+  run.Signal(SIGINT);
+  (void)run.Wait();
+  EXPECT_THAT(run.out(), HasSubstr("The process has failed: it was ended by"));
+}
+
+TEST(HgrosRun, LetsOthersEndWhileOneDoesNot) {
+  const RobotFolder robot(
+      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
+      "processes: {p: {components: [a]}, q: {components: [b]}}\n"
+      "programs: {told: {command: [sh, -c, 'trap \"echo goodbye; exit\" TERM; echo ready; while :; do sleep 0.05; "
+      "done']},\n"
+      "  deaf: {command: [sh, -c, 'trap \"\" TERM; echo ready; sleep 60 & wait; sleep 60']}}\n");
+  CommandRun run(robot.Arguments(), robot.environment());
+  ASSERT_TRUE(run.Prints("told  ready"));
+  ASSERT_TRUE(run.Prints("deaf  ready"));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  for (const char* last : {"goodbye", "a     I end.", "b     I end.", "did not end in time, and is killed."}) {
+    EXPECT_THAT(run.out(), HasSubstr(last));
+  }
 }
 
 TEST(HgrosRun, TellsWhatDoesNotBeginToRun) {

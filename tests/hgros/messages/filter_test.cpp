@@ -63,9 +63,27 @@ TEST(Filter, IsFalseForWhatIsNotThere) {
 }
 
 TEST(Filter, RefusesWhatItCannotRead) {
-  for (const char* text : {"range_max > -nan", "range_max < +-inf", "", "start_angle =", "start_angle = 1",
-                           "(start_angle", "start_angle > ", "nothing == 1", "frame_id =~ frame_id",
-                           "frame_id =~ \"[\"", "'open", "1 2", "size(3)", "start_angle )", "&&", "-", "5 > > 3"}) {
+  for (const char* text : {"range_max > -nan",
+                           "range_max < +-inf",
+                           "",
+                           "start_angle =",
+                           "start_angle = 1",
+                           "(start_angle",
+                           "start_angle > ",
+                           "nothing == 1",
+                           "frame_id =~ frame_id",
+                           "frame_id =~ \"[\"",
+                           "'open",
+                           "1 2",
+                           "size(3)",
+                           "size(start_angle)",
+                           "size(timestamp)",
+                           "ranges == 1",
+                           "2 < ranges",
+                           "start_angle )",
+                           "&&",
+                           "-",
+                           "5 > > 3"}) {
     EXPECT_THROW(Accepts(text), UsageError) << text;
   }
   EXPECT_THROW(Accepts(std::string(100000, '(')), UsageError);

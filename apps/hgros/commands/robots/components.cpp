@@ -162,6 +162,7 @@ void ComponentsCommand::Show(Console& console, const TriedLibrary& library, cons
   Sheet sheet("component", component.name);
   sheet.Fact("library", "Library", library.file.string());
   sheet.Fact("state", "Saves and restores", it.state);
+  sheet.Fact("transforms", it.transforms ? "Transforms" : "", Cell(it.transforms, "sets or looks them up"));
   sheet.Add(ChannelTable("subscribes", "SUBSCRIBES", it.inputs));
   sheet.Add(ChannelTable("publishes", "PUBLISHES", it.outputs));
   sheet.Add(ServiceTable("serves", "SERVES", it.services));

@@ -150,7 +150,7 @@ int RunCommand::Run(Surroundings& surroundings) {
   const std::map<std::string, std::string> networks = HostNetworks(whole, graph);
   const RobotFile robot = PartOfHost(whole, host_, networks);
   options_.on_placed = [&whole](const std::string& component, const std::string& process) {
-    PlaceComponent(whole, component, process);
+    whole.Place(component, process);
   };
   std::optional<RemoteUnits> remote;
   if (host_.empty() && !whole.hosts.empty()) {

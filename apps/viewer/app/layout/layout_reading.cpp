@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <initializer_list>
 
+#include "hgros/base/error.hpp"
 #include "hgros/yaml/document.hpp"
 #include "viewer/app/layout/layout_file.hpp"
 
@@ -208,6 +210,10 @@ Layout ParseLayout(std::string_view text, const std::string& name) {
 }
 
 Layout LoadLayout(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_fifo(file, error) || std::filesystem::is_character_file(file, error)) {
+    throw Error("The layout file \"" + file.string() + "\" is a pipe or a device.", {}, "Name a regular file.");
+  }
   const Document document = Document::Load(file);
   return Reader(document).Read();
 }

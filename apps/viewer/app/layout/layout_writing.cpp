@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -146,12 +147,15 @@ std::string SaveLayout(const Layout& layout, const std::filesystem::path& file) 
   unfinished += ".unfinished";
   std::error_code fault;
   {
+    errno = 0;
     std::ofstream stream(unfinished, std::ios::binary);
     stream << LayoutText(layout);
     stream.flush();
     if (!stream) {
+      const std::string cause = errno != 0 ? std::generic_category().message(errno)
+                                           : std::string("check that its folder is there and is yours");
       std::filesystem::remove(unfinished, fault);
-      return "The layout cannot be written to " + file.string() + ": check that its folder is there and is yours.";
+      return "The layout cannot be written to " + file.string() + ": " + cause + ".";
     }
   }
   std::filesystem::rename(unfinished, file, fault);

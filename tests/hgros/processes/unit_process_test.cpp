@@ -1,4 +1,4 @@
-#include "launch/unit_process.hpp"
+#include "processes/unit_process.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>

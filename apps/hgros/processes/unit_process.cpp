@@ -1,4 +1,4 @@
-#include "launch/unit_process.hpp"
+#include "processes/unit_process.hpp"
 
 #include <fcntl.h>
 #include <sched.h>
@@ -171,6 +171,12 @@ void UnitProcess::Signal(int number) const noexcept {
   if (ended_) return;
   // It may not lead its group yet, or have moved to another one.
   if (kill(-pid_, number) != 0 || number == SIGKILL) (void)kill(pid_, number);
+}
+
+bool UnitProcess::AskToEnd() noexcept {
+  if (ended_ || std::exchange(asked_, true)) return false;
+  (void)kill(pid_, SIGTERM);
+  return true;
 }
 
 bool UnitProcess::HasEnded() {

@@ -15,6 +15,11 @@
 
 namespace hgros::cli {
 
+/// So long a process or program may take to end, before it is killed.
+inline constexpr std::chrono::milliseconds kEndPatience{1600};
+/// So long a process that is to start again may take to save the state of one component.
+inline constexpr std::chrono::seconds kStatePatience{5};
+
 /// One running process of a robot, or one program: started, heard, ended. When it ends, what it has started is killed:
 /// its process group, and its control group where there is one.
 ///
@@ -42,7 +47,11 @@ class UnitProcess {
   /// The last line, if it was not ended.
   void ReadLastLine(const std::function<void(std::string_view line)>& hear);
 
+  /// It, and what it has started.
   void Signal(int number) const noexcept;
+  /// SIGTERM, once, since a second one would end it at once. To it alone: it ends what it has started in its own time.
+  /// False: it was asked before.
+  bool AskToEnd() noexcept;
   /// Readable once it has ended.
   [[nodiscard]] int end_descriptor() const noexcept { return end_; }
   /// Whether it has ended; then status() is its wait status.
@@ -57,6 +66,7 @@ class UnitProcess {
   const std::unique_ptr<ControlGroup> group_;
   pid_t pid_ = -1;
   bool ended_ = false;
+  bool asked_ = false;  // To end.
   int status_ = 0;
   std::unique_ptr<MessageStream> stream_;
   bool stream_ended_ = false;
