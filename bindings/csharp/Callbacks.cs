@@ -10,6 +10,7 @@ namespace Hgros {
   internal static class Callbacks {
     [ThreadStatic] private static int depth;
     [ThreadStatic] private static bool known; // Whether this thread was here before.
+    private static long unreported;
 
     internal static readonly Native.Release Release = user => {
       if (!known) LeaveOutOfShutdown(); // It may be all that this thread ever runs.
@@ -73,7 +74,11 @@ namespace Hgros {
       try {
         failed(exception);
       } catch (Exception second) {
-        Console.Error.WriteLine("hgros: an exception of a callback cannot be reported: " + second.Message);
+        const int most = 10;
+        long line = Interlocked.Increment(ref unreported);
+        if (line > most) return;
+        Console.Error.WriteLine("hgros: an exception of a callback cannot be reported: " + second.Message + "\n" +
+          exception + (line == most ? "\nhgros: further exceptions like this one are not written." : ""));
       }
     }
   }

@@ -48,7 +48,8 @@ namespace Hgros {
     /// <summary>Calls a function with each message of a channel of a class.</summary>
     public Listener Listen<T>(string channel, MessageType<T> type, Action<T> received,
       SubscribeOptions options = null) {
-      if (received == null) throw new ArgumentNullException(nameof(received));
+      Arguments.Given(type, nameof(type));
+      Arguments.Given(received, nameof(received));
       return Keep(
         new Listener(this, handle, channel, options, type.Schema, message => received(message.Read(type))));
     }

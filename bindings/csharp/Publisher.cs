@@ -17,12 +17,15 @@ namespace Hgros {
     /// <summary>Publishes a copy of the bytes. It never waits: Code.Full says that a lossless subscriber has no
     /// room.</summary>
     public void Publish(byte[] data) =>
-      HgrosException.Check(Native.hgros_publish(handle, data, (UIntPtr)(ulong)data.LongLength));
+      HgrosException.Check(
+        Native.hgros_publish(handle, Arguments.Given(data, nameof(data)), (UIntPtr)(ulong)data.LongLength));
 
     /// <summary>Publishes a copy of the bytes, and waits while a lossless subscriber has no room.</summary>
-    public void PublishWait(byte[] data, TimeSpan? timeout = null, CancellationToken token = default) =>
+    public void PublishWait(byte[] data, TimeSpan? timeout = null, CancellationToken token = default) {
+      Arguments.Given(data, nameof(data));
       Waiting.Run(timeout, token,
         left => Native.hgros_publish_wait(handle, data, (UIntPtr)(ulong)data.LongLength, left));
+    }
 
     /// <summary>Memory for one message, which receivers on this host read where it is.</summary>
     public Loan Lend(long size) {
@@ -122,8 +125,9 @@ namespace Hgros {
     /// <summary>Announces a channel of a type. `latched` is the number of recent messages kept for late
     /// subscribers.</summary>
     public RawPublisher AdvertiseRaw(string channel, Schema schema, int latched = 0) {
+      Arguments.Given(schema, nameof(schema));
       var options = new Native.PublishOptions {
-        Size = Native.SizeOf<Native.PublishOptions>(), Latched = checked((ulong)latched)
+        Size = Native.SizeOf<Native.PublishOptions>(), Latched = Arguments.Count(latched, nameof(latched))
       };
       PublisherHandle publisher;
       HgrosException.Check(
@@ -133,6 +137,6 @@ namespace Hgros {
 
     /// <summary>Announces a channel of a class of messages.</summary>
     public Publisher<T> Advertise<T>(string channel, MessageType<T> type, int latched = 0) =>
-      new Publisher<T>(AdvertiseRaw(channel, type.Schema, latched), type);
+      new Publisher<T>(AdvertiseRaw(channel, Arguments.Given(type, nameof(type)).Schema, latched), type);
   }
 }

@@ -39,7 +39,7 @@ namespace Hgros {
       this.handler = handler;
       var chosen = new Native.ServeOptions {
         Size = Native.SizeOf<Native.ServeOptions>(), Name = Texts.Uncut(options?.Name),
-        MostWaiting = checked((ulong)(options?.MostWaiting ?? 0)),
+        MostWaiting = Arguments.Count(options?.MostWaiting ?? 0, nameof(options.MostWaiting)),
         Concurrent = options != null && options.Concurrent ? 1 : 0,
         Executor = (int)(options?.Executor ?? Executor.Workers)
       };
@@ -67,7 +67,9 @@ namespace Hgros {
     /// Code.HandlerFailed with the same sentence.</summary>
     public Service Serve<TRequest, TReply>(string name, MessageType<TRequest> request, MessageType<TReply> reply,
       Func<TRequest, TReply> handler, ServeOptions options = null) {
-      if (handler == null) throw new ArgumentNullException(nameof(handler));
+      Arguments.Given(request, nameof(request));
+      Arguments.Given(reply, nameof(reply));
+      Arguments.Given(handler, nameof(handler));
       return Keep(new Service(this, handle, name, request.Schema, reply.Schema, options,
         message => reply.Write(handler(ReadFrom(message, request)))));
     }
@@ -76,7 +78,8 @@ namespace Hgros {
     /// meanwhile.</summary>
     public TReply Call<TRequest, TReply>(string name, MessageType<TRequest> requestType,
       MessageType<TReply> replyType, TRequest request, TimeSpan? timeout = null) {
-      byte[] data = requestType.Write(request);
+      byte[] data = Arguments.Given(requestType, nameof(requestType)).Write(request);
+      Arguments.Given(replyType, nameof(replyType));
       IntPtr reply;
       HgrosException.Check(Native.hgros_call(handle, Texts.Uncut(name), requestType.Schema.Handle, data,
         (UIntPtr)(ulong)data.LongLength, replyType.Schema.Handle, Waiting.Nanoseconds(timeout), out reply));
@@ -88,7 +91,8 @@ namespace Hgros {
       MessageType<TReply> replyType, TRequest request, TimeSpan? timeout = null,
       CancellationToken token = default) {
       token.ThrowIfCancellationRequested();
-      byte[] data = requestType.Write(request);
+      byte[] data = Arguments.Given(requestType, nameof(requestType)).Write(request);
+      Arguments.Given(replyType, nameof(replyType));
       var ended = new TaskCompletionSource<TReply>(TaskCreationOptions.RunContinuationsAsynchronously);
       Action<int, string, IntPtr> replied = (status, sentence, reply) => {
         if (status == (int)Code.Cancelled && token.IsCancellationRequested) ended.TrySetCanceled(token);

@@ -35,8 +35,9 @@ namespace Hgros {
       return new Native.SubscribeOptions {
         Size = Native.SizeOf<Native.SubscribeOptions>(), Name = Texts.Uncut(Name),
         Schema = type == null ? IntPtr.Zero : type.Handle.DangerousGetHandle(),
-        KeepLast = checked((ulong)KeepLast), KeepAll = checked((ulong)KeepAll),
-        KeepAllBytes = checked((ulong)KeepAllBytes), Concurrent = Concurrent ? 1 : 0,
+        KeepLast = Arguments.Count(KeepLast, nameof(KeepLast)),
+        KeepAll = Arguments.Count(KeepAll, nameof(KeepAll)),
+        KeepAllBytes = Arguments.Count(KeepAllBytes, nameof(KeepAllBytes)), Concurrent = Concurrent ? 1 : 0,
         Executor = (int)Executor
       };
     }
@@ -179,7 +180,7 @@ namespace Hgros {
 
     /// <summary>Receives a channel as a class. Messages of another type are counted, not delivered.</summary>
     public Subscription<T> Subscribe<T>(string channel, MessageType<T> type, SubscribeOptions options = null) =>
-      new Subscription<T>(SubscribeAs(channel, options, type.Schema), type);
+      new Subscription<T>(SubscribeAs(channel, options, Arguments.Given(type, nameof(type)).Schema), type);
 
     private RawSubscription SubscribeAs(string channel, SubscribeOptions options, Schema schema) {
       Native.SubscribeOptions chosen = (options ?? new SubscribeOptions()).ForLibrary(schema);

@@ -46,6 +46,52 @@ public static class SessionTest {
   }
 
   [Test]
+  public static void ExceptionsNameTheArgument() {
+    using (var session = new Session())
+    using (RawPublisher publisher = session.AdvertiseRaw("a", Schema.Raw("A"))) {
+      var count = Throws<ArgumentOutOfRangeException>(
+        () => session.SubscribeRaw("a", new SubscribeOptions { KeepLast = -1 }));
+      Equal("KeepLast", count.ParamName);
+      Equal(-1L, count.ActualValue);
+      Equal("latched", Throws<ArgumentOutOfRangeException>(() => session.Advertise("b", Log, latched: -1)).ParamName);
+      Equal("type", Throws<ArgumentNullException>(() => session.Advertise<DynamicMessage>("b", null)).ParamName);
+      Equal("type", Throws<ArgumentNullException>(() => session.Subscribe<DynamicMessage>("b", null)).ParamName);
+      Equal("schema", Throws<ArgumentNullException>(() => session.AdvertiseRaw("b", null)).ParamName);
+      Equal("data", Throws<ArgumentNullException>(() => publisher.Publish(null)).ParamName);
+      Equal("data", Throws<ArgumentNullException>(() => publisher.PublishWait(null)).ParamName);
+      Equal("requestType",
+        Throws<ArgumentNullException>(() => session.Call<DynamicMessage, DynamicMessage>("c", null, Log, null)).ParamName);
+    }
+  }
+
+  [Test]
+  public static void ExceptionsThatNoSessionCanLogAreWrittenTenTimes() {
+    var written = new StringWriter();
+    Console.SetError(TextWriter.Synchronized(written));
+    int ended = 0;
+    using (var publisher = new Session()) {
+      RawPublisher go = publisher.AdvertiseRaw("go", Schema.Raw("Go"));
+      for (int i = 0; i < 15; ++i) {
+        var session = new Session();
+        session.ListenRaw("go", message => {
+          session.Dispose();
+          Interlocked.Increment(ref ended);
+          throw new InvalidOperationException("no way");
+        });
+      }
+      publisher.WaitForSubscribers("go", 15, Patience);
+      go.Publish(new byte[1]);
+      Until("all callbacks have run", () => Volatile.Read(ref ended) == 15);
+      Until("ten are written", () => {  // Perhaps the last line first.
+        string[] lines = written.ToString().Split('\n');
+        return lines.Count(line => line.StartsWith("hgros: an exception of a callback cannot be reported: ")) == 10 &&
+               lines.Count(line => line.Contains("InvalidOperationException: no way")) == 10 &&
+               lines.Any(line => line.Contains("further exceptions"));
+      });
+    }
+  }
+
+  [Test]
   public static void ManyTasksWaitWithOneThread() {
     using (var session = new Session())
     using (var publisher = session.Advertise("go", Log)) {

@@ -229,7 +229,8 @@ def killed(sender, receiver, channel):
     receiver.expect("followed [1-9][0-9]*")
 
 
-QUIET = {"messages": messages, "latched": latched, "cloud": cloud, "service": service, "mismatch": mismatch}
+SCENARIOS = {"messages": messages, "latched": latched, "cloud": cloud, "service": service, "mismatch": mismatch,
+             "killed": killed}
 
 
 class Tcp:
@@ -248,13 +249,13 @@ class Tcp:
                 probe.bind((host, 0))
                 self._ports.append(f"tcp://{host}:{probe.getsockname()[1]}")
 
-    def environments(self, quiet):
-        # A lossless publisher waits so long for a subscriber that was killed.
-        life = "" if quiet else ", heartbeat_ms: 100, peer_timeout_ms: 500"
+    def environments(self):
         for own, other in (self._ports, reversed(self._ports)):
             yield {"XDG_RUNTIME_DIR": self._folder, "HGROS_DOMAIN": "none", "HGROS_INTEROP_YAML":
                    f"discovery: {{local: false}}\n"
-                   f"network: {{publisher: {{ip: \"{own}\"}}, subscribers: [{{ip: \"{other}\"}}]{life}}}\n"}
+                   f"network: {{publisher: {{ip: \"{own}\"}}, subscribers: [{{ip: \"{other}\"}}], "
+                   # A lossless publisher waits so long for a subscriber that was killed.
+                   f"heartbeat_ms: 200, peer_timeout_ms: 1000}}\n"}
 
 
 class SharedMemory:
@@ -265,7 +266,7 @@ class SharedMemory:
     def __init__(self, folder):
         self._folder = folder
 
-    def environments(self, quiet):
+    def environments(self):
         # Also with its own folder a session finds those of its domain in other folders.
         one = {"XDG_RUNTIME_DIR": self._folder, "HGROS_DOMAIN": self._folder.name, "HGROS_INTEROP_YAML": ""}
         return (one, one)
@@ -279,27 +280,26 @@ def run_transport(languages, transport):
     times = {}
     # A language with itself needs one direction only.
     ways = [(0, 1)] if languages[0] is languages[1] else [(0, 1), (1, 0)]
-    for scenarios, quiet in ((QUIET, True), ({"killed": killed}, False)):
-        with contextlib.ExitStack() as stack:
-            sides = [Side(*both) for both in zip(languages, transport.environments(quiet))]
-            doing = "starting"
-            try:
-                for side in sides:
-                    stack.callback(side.end_anyhow)
-                    side.start()
-                for name, scenario in scenarios.items():
-                    begin = time.monotonic()
-                    for way, (sender, receiver) in enumerate(ways):
-                        doing = f"{name} from {languages[sender].name} to {languages[receiver].name}"
-                        scenario(sides[sender], sides[receiver], f"{name}{way}")
-                    times[name] = time.monotonic() - begin
-                doing = "ending"
-                for side in sides:
-                    side.finish()
-            except (Fault, OSError) as fault:
-                logs = "".join(side.end_of_log() for side in sides)
-                pair = " and ".join(language.name for language in languages)
-                raise Fault(f"{pair} over {transport.name}, {doing}: {fault}.\n{logs}") from None
+    with contextlib.ExitStack() as stack:
+        sides = [Side(*both) for both in zip(languages, transport.environments())]
+        doing = "starting"
+        try:
+            for side in sides:
+                stack.callback(side.end_anyhow)
+                side.start()
+            for name, scenario in SCENARIOS.items():
+                begin = time.monotonic()
+                for way, (sender, receiver) in enumerate(ways):
+                    doing = f"{name} from {languages[sender].name} to {languages[receiver].name}"
+                    scenario(sides[sender], sides[receiver], f"{name}{way}")
+                times[name] = time.monotonic() - begin
+            doing = "ending"
+            for side in sides:
+                side.finish()
+        except (Fault, OSError) as fault:
+            logs = "".join(side.end_of_log() for side in sides)
+            pair = " and ".join(language.name for language in languages)
+            raise Fault(f"{pair} over {transport.name}, {doing}: {fault}.\n{logs}") from None
     return times
 
 

@@ -19,6 +19,7 @@ HGROS = os.environ["HGROS_COMMAND"]
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "python.md"
 
 PARTS = """
+import pathlib
 import threading
 import time
 
@@ -30,6 +31,7 @@ from foxglove.Vector2_pb2 import Vector2
 class Numbers:
     def __init__(self, context):
         self.context = context
+        self.transforms = context.transforms
         self.number = 0
         self.most = context.params.declare("most", 1_000_000, "The last number", least=1)
         self.numbers = context.advertise("number", Vector2)
@@ -61,6 +63,29 @@ class Sum:
         self.state = state
 
 
+class Unspeakable(Exception):
+    def __str__(self):
+        raise RuntimeError("no words")
+
+
+class Receiver:
+    def __init__(self, context):
+        self.context = context
+        self.faults = [ValueError(b"$GPG\\xfcA".decode(errors="surrogateescape")), Unspeakable()]
+        context.timer(0.002, self.read, name="read")
+        context.serve("next", Vector2, Vector2, self.next)
+
+    def read(self, tick):
+        if self.faults:
+            raise self.faults.pop()
+
+    def next(self, request):
+        self.context.log.info("read %s", b"\\xfc".decode(errors="surrogateescape"))
+        if self.faults or request.x == 0:
+            raise Unspeakable
+        return request
+
+
 class Doubler:
     def __init__(self, context):
         context.serve("double", Vector2, Vector2, lambda request: Vector2(x=2 * request.x))
@@ -70,7 +95,7 @@ class Caller:
     def __init__(self, context):
         self.context = context
         self.double = context.client("double", Vector2, Vector2)
-        self.own = context.client("own", Vector2, Vector2)
+        self.own = context.client("theirs", Vector2, Vector2)
         self.sums = context.advertise("sum", KeyValuePair)
         context.serve("own", Vector2, Vector2, lambda request: request)
         context.timer(0.02, self.call, name="call")
@@ -87,6 +112,7 @@ class Words:
         self.words = context.advertise("word", KeyValuePair)
         self.reset = context.client("reset", KeyValuePair, KeyValuePair)
         self.sums = context.advertise("sum", KeyValuePair)
+        context.subscribe("count", KeyValuePair, lambda count, info: self.sums.publish(count))
         context.timer(0.02, self.send, name="send")
 
     def send(self, tick):
@@ -132,6 +158,33 @@ class Late:
 class Broken:
     def __init__(self, context):
         raise ValueError("no such port\\x1b[31m")
+
+
+class Patient:
+    def __init__(self, context):
+        pass
+
+    def activate(self):
+        while not pathlib.Path("go").exists():
+            time.sleep(0.002)
+
+
+class Slow:
+    def __init__(self, context):
+        self.done = KeyValuePair()
+        self.sums = context.advertise("sum", KeyValuePair)
+        self.numbers = context.subscribe("number", Vector2, self.work, queue=hgros.KeepLast(1))
+
+    def work(self, number, info):
+        time.sleep(0.1)
+        age = time.clock_gettime_ns(time.CLOCK_MONOTONIC) - info.publish_monotonic_ns
+        self.sums.publish(KeyValuePair(key=str(age // 1_000_000), value=str(int(number.x))))
+
+    def save(self) -> KeyValuePair:
+        return self.done
+
+    def restore(self, state: KeyValuePair) -> None:
+        self.done = state
 
 
 class Vague:
@@ -182,9 +235,10 @@ class Components(RobotTest):
         self.assertEqual(total["state"], "foxglove.KeyValuePair")
         self.assertEqual(total["subscribes"], [{"channel": "number", "type": "foxglove.Vector2"}])
         self.assertEqual(total["publishes"], [{"channel": "sum", "type": "foxglove.KeyValuePair"}])
+        self.assertEqual((numbers["transforms"], total["transforms"]), (True, False))
         self.assertEqual(numbers["timers"], [{"timer": "send", "period_ns": 2_000_000}])
         self.assertEqual((numbers["params"][0]["path"], numbers["params"][0]["least"]), ("most", 1))
-        self.assertEqual([one["service"] for one in caller["calls"]], ["double", "own"])
+        self.assertEqual([one["service"] for one in caller["calls"]], ["double", "theirs"])
         self.assertEqual([one["service"] for one in caller["serves"]], ["own"])
 
     def test_faults_of_a_robot_are_found_before_it_runs(self):
@@ -262,6 +316,43 @@ class Components(RobotTest):
         robot.send_signal(signal.SIGINT)
         self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
 
+    def test_a_component_that_is_slower_than_its_publisher_moves_and_keeps_only_the_newest(self):
+        sums = self.sums()
+        robot = self.robot("components:\n"
+                           "  numbers: {type: parts:Numbers}\n"
+                           "  slow: {type: parts:Slow}\n"
+                           "processes:\n"
+                           "  one: {components: [numbers, slow]}\n"
+                           "  two: {}\n")
+        next(sums)
+        wait_until(lambda: "starting" not in self.hgros("ps").stdout, "the start of both processes")
+        for place in ("two", "one", "two"):
+            moved = self.hgros("move", "slow", "--to", place)
+            self.assertEqual(moved.returncode, 0, moved.stderr + self.log())
+            before = sums.info.publisher
+            wait_until(lambda: next(sums) and sums.info.publisher != before, "the move")
+            values = []
+            wait_until(lambda: values.append(next(sums)) or int(values[-1].key) < 1000, "a message of this moment")
+            self.assertLess(len(values), 30, values)
+            self.assertEqual([int(one.value) for one in values], sorted(int(one.value) for one in values))
+        robot.send_signal(signal.SIGINT)
+        self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
+
+    def test_a_restart_waits_until_the_others_of_the_process_have_begun(self):
+        self.robot("components:\n  total: {type: parts:Sum}\n  patient: {type: parts:Patient}\n")
+        wait_until(lambda: "starting" in self.hgros("ps").stdout, "the start")
+        asked = []
+        while not asked or asked[-1].wait() != 0:  # Refused until all have been told to begin.
+            asked.append(subprocess.Popen([HGROS, "restart", "total"], cwd=self.folder, text=True,
+                                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE))
+            self.opened.callback(asked[-1].stderr.close)
+            try:
+                self.assertIn("still starts", asked[-1].communicate(timeout=1)[1])
+            except subprocess.TimeoutExpired:  # It waits.
+                (self.folder / "go").touch()
+        rows = [json.loads(line) for line in self.hgros("ps", "--json").stdout.splitlines()]
+        self.assertEqual([row["restarts"] for row in rows if row["component"] == "patient"], [0], rows)
+
     def test_a_callback_that_raises_is_logged_and_constructed_again_with_its_state(self):
         sums = self.sums()
         robot = self.robot("components:\n"
@@ -275,9 +366,17 @@ class Components(RobotTest):
         robot.send_signal(signal.SIGINT)
         self.assertEqual(robot.wait(DEADLINE_S), -signal.SIGINT, self.log())
 
+    def test_a_callback_may_raise_what_cannot_be_said(self):
+        self.robot("components:\n  gps: {type: parts:Receiver}\n")
+        self.assertIn("Unspeakable (its __str__ has raised RuntimeError)",
+                      self.hgros("call", "next", "{x: 0}", "--timeout", str(DEADLINE_S)).stderr)
+        self.assertIn("x: 1", self.hgros("call", "next", "{x: 1}", "--timeout", str(DEADLINE_S)).stdout)
+        self.assertIn(r"ValueError: $GPG\udcfcA", self.log())
+        self.assertIn(r"read \udcfc", self.log())
+
     def test_components_of_one_process_call_each_other(self):
         sums = self.sums()
-        self.robot("components:\n  caller: {type: parts:Caller}\n  doubler: {type: parts:Doubler}\n")
+        self.robot("components:\n  caller: {type: parts:Caller, remap: {theirs: own}}\n  doubler: {type: parts:Doubler}\n")
         answer = next(sums)
         self.assertEqual((answer.key, answer.value), ("would deadlock", "8.0"))
 
@@ -289,7 +388,8 @@ class Components(RobotTest):
         self.robot("components:\n"
                    "  words: {type: parts:Words}\n"
                    "  counter: {type: words/Counter, nodes: {word: {executor: inline}}}\n")
-        self.assertEqual(next(sums), KeyValuePair(key="back", value="again"))
+        self.assertEqual({"again", "a count"},
+                         {"a count" if one.value.isdigit() else one.value for one in (next(sums) for _ in range(20))})
 
     def test_ctrl_c_ends_a_callback_that_never_returns(self):
         robot = self.robot("components:\n  busy: {type: parts:Busy}\n  numbers: {type: parts:Numbers}\n")

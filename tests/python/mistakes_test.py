@@ -1,5 +1,6 @@
 """Mistakes that programs make: each ends with a sentence that says what is wrong, where, and how to mend it."""
 
+import math
 import os
 import shutil
 import subprocess
@@ -56,6 +57,8 @@ class Mistakes(RobotTest):
         self.refused(lambda: robot.transforms.lookup("a", "b", timeout="1"), TypeError, "A timeout is a number of seconds")
         self.refused(lambda: robot.wait_for_subscribers("log", timeout="1"), TypeError, "A timeout is a number of seconds")
         self.refused(lambda: robot.sleep("1"), TypeError, "A sleep is a number of seconds, not '1'")
+        self.refused(lambda: robot.sleep(math.nan), TypeError, "A sleep is a number of seconds, not nan")
+        self.refused(lambda: robot.messages("log", timeout=math.nan), TypeError, "A timeout is a number of seconds, not nan")
         for queue in (5, hgros.KeepLast):
             self.refused(lambda queue=queue: robot.subscribe("log", Log, print, queue=queue), TypeError, "A queue is hgros.KeepLast(")
         self.refused(lambda: hgros.KeepLast("a"), ValueError, "not 'a'")
@@ -127,6 +130,12 @@ class Mistakes(RobotTest):
                 self.assertIn(expected, ended.stderr.splitlines()[-1])
                 if options:
                     os.remove(folder + "/hgros/" + os.path.basename(hgros._hgros.__file__))
+
+    def test_a_subinterpreter_cannot_use_the_package_and_says_so(self):
+        program = ("import _xxsubinterpreters as interpreters\n"
+                   "interpreters.run_string(interpreters.create(isolated=False), 'import hgros')\n")
+        ended = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, timeout=60)
+        self.assertIn("works only in the main interpreter", ended.stderr.splitlines()[-1])
 
 
 if __name__ == "__main__":

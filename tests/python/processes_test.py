@@ -104,6 +104,27 @@ class Processes(RobotTest):
                                          "other.start()\n")
         self.assertEqual((out, err, code), ("full\n", "", 0))
 
+    def test_interpreter_ends_while_daemon_threads_use_the_session(self):
+        for close in ("", "robot.close()\n"):
+            with self.subTest(close):
+                process = self.python("import sys, threading, time\n"
+                                      "import hgros\n"
+                                      "robot = hgros.Session()\n"
+                                      "used = threading.Semaphore(0)\n"
+                                      "def use(function):\n"
+                                      "    while True:\n"
+                                      "        try: function()\n"
+                                      "        except hgros.Error: pass\n"
+                                      "        used.release()\n"
+                                      "for function in (lambda: robot.transforms.lookup('map', 'base', timeout=0.02),\n"
+                                      "                 lambda: robot.transforms.lookup('map', 'base', timeout=5),\n"
+                                      "                 lambda: robot.snapshot(), lambda: robot.channels(),\n"
+                                      "                 lambda: list(robot.messages('log', timeout=0.01))):\n"
+                                      "    threading.Thread(target=use, args=(function,), daemon=True).start()\n"
+                                      "for _ in range(100): used.acquire()\n" + close + "sys.exit(3)\n")
+                out, err, code = self.finish(process)
+                self.assertEqual((out, err, code), ("", "", 3))
+
     def test_os_exit_ends_the_process(self):
         out, err, code = self.run_to_end("robot = hgros.Session()\n"
                                          "robot.subscribe('log', Log, print)\n"
@@ -119,8 +140,10 @@ class Processes(RobotTest):
         self.assertEqual((err, code), ("", 3))
 
     def test_exit_inside_a_callback_of_start_is_said(self):
-        out, err, code = self.run_to_end("def heard(message, info):\n"
+        out, err, code = self.run_to_end("import asyncio\n"
+                                         "def heard(message, info):\n"
                                          "    if message.message == 'end': sys.exit(3)\n"
+                                         "    if message.message == 'cancel': raise asyncio.CancelledError\n"
                                          "    print(message.message, flush=True)\n"
                                          "    again.set()\n"
                                          "again = threading.Event()\n"
@@ -128,13 +151,15 @@ class Processes(RobotTest):
                                          "robot.subscribe('log', Log, heard)\n"
                                          "publisher = robot.advertise('log', Log)\n"
                                          "robot.start()\n"
-                                         "publisher.publish(Log(message='end'))\n"
-                                         "robot._thread.join()\n"
-                                         "robot.start()\n"
+                                         "for word in ('end', 'cancel'):\n"
+                                         "    publisher.publish(Log(message=word))\n"
+                                         "    robot._thread.join()\n"
+                                         "    robot.start()\n"
                                          "publisher.publish(Log(message='again'))\n"
                                          "again.wait(40)\n")
         self.assertEqual((out, code), ("again\n", 0), err)
         self.assertIn("A callback called sys.exit() on the thread of start(), which has ended.", err)
+        self.assertIn("A callback raised CancelledError on the thread of start(), which has ended.", err)
 
     def test_forked_child_says_that_the_session_is_the_parents(self):
         out, err, code = self.run_to_end(
@@ -155,6 +180,49 @@ class Processes(RobotTest):
         self.assertIn("forked", lines[0])
         self.assertEqual(lines[1:], ["5", "alive"])
         self.assertEqual(err, "")
+
+    def test_spin_ends_in_a_child_that_a_callback_forks(self):
+        out, err, code = self.run_to_end(
+            "robot = hgros.Session()\n"
+            "publisher = robot.advertise('log', Log)\n"
+            "seen = []\n"
+            "child = -1\n"
+            "@robot.subscribe('log', Log)\n"
+            "def on_log(message, info):\n"
+            "    global child\n"
+            "    seen.append(message)\n"
+            "    if len(seen) == 3: child = os.fork()\n"
+            "    if len(seen) == 6: robot.stop()\n"
+            "for _ in range(6): publisher.publish(Log())\n"
+            "robot.spin()\n"
+            "if child == 0: os._exit(len(seen))\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), len(seen), flush=True)\n")
+        self.assertEqual((out, err, code), ("3 6\n", "", 0))
+
+    def test_ctrl_c_ends_spin_in_a_forked_child(self):
+        child = ("def child():\n"
+                 "    with hgros.Session() as own:\n"
+                 "        own.subscribe('log', callback=lambda message, info: None)\n"
+                 "        own.timer(0.1, lambda tick: os.kill(os.getpid(), signal.SIGINT))\n"
+                 "        try: own.spin()\n"
+                 "        except KeyboardInterrupt: os._exit(7)\n")
+        wait = "    print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))\n"
+        ways = {
+            "after a wait": "    robot.spin_once(0.05)\n    pid = os.fork()\n    if pid == 0: child()\n" + wait,
+            "in a callback": "    pid = 0\n"
+                             "    def tick(tick):\n"
+                             "        global pid\n"
+                             "        pid = os.fork()\n"
+                             "        if pid == 0: child()\n"
+                             "        robot.stop()\n"
+                             "    robot.timer(0.05, tick)\n"
+                             "    robot.spin()\n" + wait,
+        }
+        for way, code in ways.items():
+            with self.subTest(way):
+                out, err, _ = self.finish(self.python("import os, signal, hgros\n" + child +
+                                                      "with hgros.Session() as robot:\n" + code))
+                self.assertEqual(out, "7\n", err)
 
     def test_every_use_in_a_forked_child_says_that_the_session_is_the_parents(self):
         out, err, code = self.run_to_end(

@@ -1,4 +1,7 @@
 import os
+import subprocess
+import sys
+import textwrap
 import unittest.mock
 
 from support import DEADLINE_S, RobotTest, main, wait_until
@@ -54,6 +57,31 @@ class Publishing(RobotTest):
                 publisher.publish(Log(), timeout=0.05)
         next(messages)
         publisher.publish(Log(), timeout=DEADLINE_S)
+
+    def test_no_memory_for_a_message_raises_and_the_session_goes_on(self):
+        program = textwrap.dedent("""
+            import resource
+            import hgros
+            from foxglove.RawImage_pb2 import RawImage
+
+            SIZE = 200_000_000
+            with hgros.Session() as robot:
+                publish = robot.advertise("image", RawImage)
+                image = RawImage(data=bytes(SIZE))
+                used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+                # For the bytes that protobuf makes, and not for those that are published.
+                resource.setrlimit(resource.RLIMIT_AS, (used + SIZE * 3 // 2, resource.RLIM_INFINITY))
+                try:
+                    publish(image)
+                except hgros.PublishError as fault:
+                    print(fault)
+                resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+                publish(image)
+            """)
+        ended = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, timeout=60)
+        self.assertEqual(ended.stdout, 'Nothing was published on channel "image": There is no memory to write the '
+                                       'message for other sessions.\n', ended.stderr)
+        self.assertEqual(ended.returncode, 0)
 
     def test_publisher_of_a_closed_session_raises(self):
         robot = self.session()

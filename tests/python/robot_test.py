@@ -1,3 +1,4 @@
+import logging
 import os
 import pathlib
 import tempfile
@@ -30,6 +31,30 @@ class Params(RobotTest):
         with self.assertRaisesRegex(hgros.ParamError, "speed"):
             params["speed"] = "fast"
         self.assertEqual(params["speed"], 1.0)
+
+    def test_parameter_of_the_environment_that_is_not_declared_is_logged(self):
+        os.environ["HGROS_PARAM_sped"] = "3"
+        self.addCleanup(os.environ.pop, "HGROS_PARAM_sped")
+        with self.assertLogs("hgros", logging.WARNING) as logged:
+            params = self.session().params
+            params.declare("speed", 0.5)
+            wait_until(lambda: any("HGROS_PARAM_sped (did you mean speed?)" in line for line in logged.output))
+
+    def test_declared_text_stays_one_whatever_it_looks_like(self):
+        for name, value in (("arm__serial", "0042"), ("arm__ports", "[1, 0x10]"), ("arm__gains", "[1, 2]"),
+                            ("arm__joints", "6")):
+            os.environ["HGROS_PARAM_" + name] = value
+            self.addCleanup(os.environ.pop, "HGROS_PARAM_" + name)
+        params = self.session().params
+        self.assertEqual(params.declare("arm.serial", "none"), "0042")
+        params.declare("arm.ports", ["0"])
+        params.declare("arm.gains", [0.5])
+        params.declare("arm.joints", 7)
+        self.assertEqual(params["arm.serial"], "0042")
+        self.assertEqual(params["arm.ports"], ["1", "0x10"])
+        arm = params["arm"]
+        self.assertEqual(arm, {"serial": "0042", "ports": ["1", "0x10"], "gains": [1.0, 2.0], "joints": 6})
+        self.assertEqual([type(one) for one in arm["gains"]], [float, float])
 
     def test_every_type_comes_back_as_it_was_set(self):
         params = self.session().params

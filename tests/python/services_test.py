@@ -1,6 +1,8 @@
 import asyncio
+import contextlib
 import gc
 import logging
+import os
 import threading
 
 from support import DEADLINE_S, RobotTest, main, wait_until
@@ -56,6 +58,25 @@ class Services(RobotTest):
         self.assertIn("ValueError: x is below zero", str(failed.exception))
         self.assertIn("in add", logged.output[0])
         self.assertEqual((self.service.run, self.service.failed), (1, 1))
+
+    def test_handler_may_raise_what_cannot_be_said(self):
+        class Unspeakable(Exception):
+            def __str__(self):
+                raise RuntimeError("no words")
+
+        faults = [ValueError(b"$GPG\xfcA".decode(errors="surrogateescape")), Unspeakable()]
+
+        def fail(_):
+            raise faults[0]
+
+        server = self.session()
+        server.serve("fail", Vector2, Log, fail)
+        server.start()
+        for words in (r"ValueError: $GPG\udcfcA", "Unspeakable (its __str__ has raised RuntimeError)"):
+            with self.assertLogs("hgros", logging.ERROR), self.assertRaises(hgros.CallError) as failed:
+                server.call("fail", Vector2(), Log, timeout=DEADLINE_S).result()
+            self.assertIn(words, str(failed.exception))
+            del faults[0]
 
     def test_handler_that_returns_another_type_fails(self):
         robot = self.session()
@@ -117,6 +138,64 @@ class Services(RobotTest):
             return [reply.message for reply in replies]
 
         self.assertEqual(asyncio.run(run()), ["0.0", "1.0", "2.0", "3.0", "4.0"])
+
+    def test_calls_need_no_descriptor_unless_they_are_waited_for(self):
+        def descriptors():
+            return len(os.listdir("/proc/self/fd"))
+
+        server, client = self.served()
+        self.call(client, "add", Vector2(x=1, y=2))
+        gc.disable()  # What has ended goes without it.
+        self.addCleanup(gc.enable)
+        logging.disable(logging.CRITICAL)
+        self.addCleanup(logging.disable, logging.NOTSET)
+        before = descriptors()
+        calls = [client.call("add", Vector2(x=x, y=0)) for x in range(-50, 50)]
+        self.assertLess(descriptors(), before + 10)
+        for call in calls:
+            with contextlib.suppress(hgros.CallError):
+                call.result()
+        calls.clear()
+        call = None
+        self.assertLess(descriptors(), before + 10)
+
+        async def awaited():
+            await asyncio.gather(*(client.call("add", Vector2(x=x, y=0)) for x in range(-50, 50)), return_exceptions=True)
+
+        asyncio.run(awaited())
+        self.assertLess(descriptors(), before + 10)
+
+    def test_server_does_not_handle_what_a_task_has_cancelled(self):
+        server, client = self.session(), self.session()
+        begun, goes_on, handled = threading.Event(), threading.Event(), []
+
+        def slow(request):
+            handled.append(request.x)
+            begun.set()
+            goes_on.wait(DEADLINE_S)
+            return Log()
+
+        server.serve("slow", Vector2, Log, slow)
+        server.start()
+        self.addCleanup(goes_on.set)
+
+        first = threading.Thread(target=lambda: self.call(client, "slow", Vector2(x=1)))
+        first.start()
+        self.assertTrue(begun.wait(DEADLINE_S))
+
+        async def give_up():
+            with self.assertRaises(asyncio.TimeoutError):
+                await asyncio.wait_for(self.awaited(client.call("slow", Vector2(x=2))), 0.05)
+
+        asyncio.run(give_up())
+        goes_on.set()
+        first.join()
+        self.call(client, "slow", Vector2(x=3))
+        self.assertEqual(handled, [1, 3])
+
+    @staticmethod
+    async def awaited(call):
+        return await call
 
     def test_service_can_be_ended_while_a_request_waits(self):
         robot = self.session()
@@ -183,6 +262,19 @@ class Time(RobotTest):
         count = len(ticks)
         robot.spin_once(0.03)
         self.assertEqual(len(ticks), count)
+
+    def test_timers_without_a_name_take_that_of_one_that_has_ended(self):
+        robot = self.session()
+        together = [robot.timer(0.01, print), robot.timer(0.01, print)]
+        self.assertNotEqual(together[0].name, together[1].name)
+        for timer in together:
+            timer.end()
+            timer.end()
+        for _ in range(20):
+            robot.sleep(1e-6)
+            robot.rate(0.01).close()
+            robot.timer(0.01, print).end()
+        self.assertEqual(len([one for one in robot.snapshot().channels if "python" in one.name]), 2)
 
     def test_rate_turns_without_drift(self):
         robot = self.session()

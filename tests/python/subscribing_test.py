@@ -1,15 +1,32 @@
 import asyncio
 import contextlib
+import gc
 import logging
+import pathlib
+import re
+import textwrap
 import threading
 import time
+import weakref
 
 from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
 from hgros import _hgros
+from google.protobuf.message import DecodeError
 from foxglove.LaserScan_pb2 import LaserScan
 from foxglove.Log_pb2 import Log
+
+
+def _others_woken():
+    """How often the threads of this process but the calling one have slept so far."""
+    woken = 0
+    for task in pathlib.Path("/proc/self/task").iterdir():
+        if int(task.name) == threading.get_native_id():
+            continue
+        with contextlib.suppress(OSError):  # It may have ended meanwhile.
+            woken += int(re.search(r"^voluntary_ctxt_switches:\s*(\d+)", (task / "status").read_text(), re.M).group(1))
+    return woken
 
 
 class Subscribing(RobotTest):
@@ -104,6 +121,35 @@ class Subscribing(RobotTest):
         self.assertIn('channel "log"', logged.output[0])
         self.assertIn("ValueError: message 1", logged.output[0])
         self.assertIn("in fails", logged.output[0])
+        publisher.publish(Log(line=3))
+        with self.assertLogs("hgros", logging.ERROR) as logged:
+            self.spin_until(robot, lambda: subscription.failed == 3)
+        self.assertIn("ValueError: message 3", logged.output[0])
+        self.assertIn("in fails", logged.output[0])
+
+    def test_exception_of_a_callback_keeps_nothing(self):
+        robot = self.session()
+        probes = []
+
+        class Probe:
+            pass
+
+        def fails(message, info):
+            probe = Probe()
+            probes.append(weakref.ref(probe))
+            raise DecodeError("of a message inside the message")
+
+        subscription = robot.subscribe("log", Log, fails)
+        publisher = robot.advertise("log", Log)
+        gc.disable()
+        self.addCleanup(gc.enable)
+        logging.disable(logging.CRITICAL)  # What tests capture keeps exceptions.
+        self.addCleanup(logging.disable, logging.NOTSET)
+        for i in range(1, 4):
+            publisher.publish(Log())
+            self.spin_until(robot, lambda: subscription.failed == i)
+        self.assertEqual([probe() for probe in probes], [None] * 3)
+        self.assertEqual((subscription.failed, subscription.not_decoded), (3, 0))
 
     def test_ended_subscription_hears_nothing(self):
         robot = self.session()
@@ -309,7 +355,7 @@ class Subscribing(RobotTest):
     def test_spin_once_finds_messages_whose_key_an_interrupted_spin_had_taken(self):
         robot = self.session()
         heard = []
-        robot.subscribe("log", Log, lambda message, info: heard.append(message))
+        robot.subscribe("log", Log, lambda message, info: heard.append(message), queue=hgros.KeepLast(1000))
         robot.advertise("log", Log).publish(Log())
         self.assertTrue(robot._ready.take())  # Here a signal ends the spin.
         self.assertTrue(robot.spin_once())
@@ -403,8 +449,47 @@ class Subscribing(RobotTest):
             self.assertEqual(ready.wait(DEADLINE_S), [])
             self.assertLess(time.monotonic() - begin, DEADLINE_S / 2)
 
+    def test_waiting_thread_receives_itself(self):
+        robot = self.session()
+        heard = []
+        robot.subscribe("log", Log, lambda message, info: heard.append(message), queue=hgros.KeepLast(1000))
+        sender = self.python(textwrap.dedent("""
+            import hgros, time
+            from foxglove.Log_pb2 import Log
+            with hgros.Session() as robot:
+                publisher = robot.advertise("log", Log)
+                robot.wait_for_subscribers("log", timeout=20)
+                for i in range(300):
+                    publisher.publish(Log())
+                    time.sleep(0.002)
+                input()
+            """))
+        # Other threads have their own work a few times a second. On a busy machine, messages come while this thread works.
+        for _ in range(5):
+            count, woken, begin = len(heard), _others_woken(), time.monotonic()
+            self.spin_until(robot, lambda: len(heard) >= count + 50)
+            woken = _others_woken() - woken
+            if woken < (len(heard) - count) / 2 + 40 * (time.monotonic() - begin):
+                break
+        else:
+            self.fail(f"{woken} wake-ups of other threads for {len(heard) - count} messages")
+        sender.communicate("\n", timeout=DEADLINE_S)
+
 
 class Iterating(RobotTest):
+    def test_close_ends_the_session_before_it_returns(self):
+        for _ in range(10):
+            robot, other = hgros.Session(), self.session()
+            other.advertise("log", Log)
+            looper = threading.Thread(target=list, args=(robot.messages("log"),))
+            looper.start()
+            self.assertTrue(robot.wait_for_publishers("log", timeout=DEADLINE_S))
+            threads = len(list(pathlib.Path("/proc/self/task").iterdir()))
+            robot.close()
+            self.assertLess(len(list(pathlib.Path("/proc/self/task").iterdir())), threads)
+            looper.join(DEADLINE_S)
+            self.assertFalse(looper.is_alive())
+
     def test_loop_ends_when_no_message_comes(self):
         robot = self.session()
         messages = robot.messages("log", Log, timeout=0.05)

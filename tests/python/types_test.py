@@ -89,6 +89,26 @@ class Types(RobotTest):
         self.assertRegex(logged.output[0], "session [0-9a-f]{16}")
         self.assertEqual(messages.not_decoded, 1)
 
+    def test_bytes_that_are_no_message_are_counted_and_logged_once_for_each_publisher(self):
+        heard = []
+        listener = self.session()
+        subscription = listener.subscribe("channel", Log, lambda message, info: heard.append(message.message))
+        robots = [self.session() for _ in range(2)]
+        publishers = [robot.advertise("channel", Log) for robot in robots]
+        for robot in robots:
+            self.assertTrue(robot.wait_for_subscribers("channel", timeout=DEADLINE_S))
+        with self.assertLogs("hgros", logging.WARNING) as logged:
+            for _ in range(3):
+                for publisher in publishers:
+                    publisher._raw.publish(b"\xff\xff\xff", None)
+            for publisher in publishers:
+                publisher.publish(Log(message="last"))
+            wait_until(lambda: listener.spin_once(0.01) is not None and len(heard) == 2)
+        self.assertEqual((heard, subscription.not_decoded, subscription.failed), (["last", "last"], 6, 0))
+        self.assertEqual(len(logged.output), 2, logged.output)
+        for robot in robots:
+            self.assertEqual(sum(f"{robot.id} cannot be read" in line for line in logged.output), 1, logged.output)
+
     def test_messages_of_the_library_and_of_python_are_one_type(self):
         from foxglove.Pose_pb2 import Pose
         from foxglove.SceneUpdate_pb2 import SceneUpdate
@@ -96,6 +116,11 @@ class Types(RobotTest):
         update = SceneUpdate()
         update.entities.add().arrows.add().pose.CopyFrom(Pose())
         self.assertEqual(len(update.entities), 1)
+
+    def test_library_can_be_loaded_after_other_modules_in_cpp(self):
+        process = self.python("from google.protobuf import descriptor\nimport hgros\nprint('loaded')\n")
+        out, err, code = self.finish(process)
+        self.assertEqual((out, code), ("loaded\n", 0), err)
 
     def test_schemas_work_when_the_library_is_loaded_last(self):
         process = self.python(

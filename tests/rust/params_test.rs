@@ -71,6 +71,21 @@ fn parameters_are_declared_set_and_watched() {
 }
 
 #[test]
+fn numbers_that_are_not_finite_are_refused_as_such() {
+    let session = session("params-finite");
+    let params = session.params(&[]).unwrap();
+    let none = ParamInfo::default();
+    let error = params.declare("x", f64::NAN, &none).unwrap_err();
+    assert_eq!(error.status(), Status::InvalidArgument);
+    assert_eq!(error.sentence(), "A parameter must be finite, but is NaN.");
+    let infinite = vec![1.0, f64::INFINITY];
+    assert_eq!(
+        status_of(params.declare("y", infinite, &none)),
+        Status::InvalidArgument
+    );
+}
+
+#[test]
 fn a_panic_in_a_watch_is_counted() {
     let session = session("params-panic");
     let params = session.params(&[]).unwrap();

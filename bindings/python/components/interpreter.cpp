@@ -87,9 +87,12 @@ void RequireVersionOfEnvironment() {
   PyErr_Fetch(&type, &value, &trace);
   PyObject* text = value != nullptr ? PyObject_Str(value) : nullptr;
   const char* letters = text != nullptr ? PyUnicode_AsUTF8(text) : nullptr;
-  std::string reason = letters != nullptr ? letters : "unknown";
+  std::string reason = letters != nullptr ? letters : "";
+  if (reason.empty())
+    reason = type != nullptr && PyExceptionClass_Check(type) ? PyExceptionClass_Name(type) : "unknown";
   if (!reason.ends_with('.')) reason += '.';
-  throw Error("The package hgros of Python cannot be used: " + reason, {}, Remedy());
+  throw Error("The package hgros of Python cannot be used: " + reason, {},
+              PyErr_GivenExceptionMatches(type, PyExc_ImportError) != 0 ? Remedy() : std::string());
 }
 
 // Where Python looks for modules.

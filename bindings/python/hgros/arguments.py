@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from typing import Any
 
@@ -19,7 +20,8 @@ def check_name(name: Any, of: str) -> None:
 
 def check_seconds(seconds: Any, of: str) -> None:
     try:
-        float(seconds + 0)  # A text is no number, though float() reads it.
+        if math.isnan(seconds + 0):  # A text is no number, though float() reads it.
+            raise ValueError
     except (TypeError, ValueError):
         hint = " As a decorator, write it with brackets and the seconds." if callable(seconds) else ""
         raise TypeError(f"A {of} is a number of seconds, not {seconds!r}.{hint}") from None

@@ -15,7 +15,7 @@ _MOST_LOGGED = 10
 _LOGS_WITHIN_S = 10
 
 
-class _Ends(Protocol):
+class Ends(Protocol):
     def end(self) -> None: ...
 
 
@@ -25,9 +25,9 @@ class Handler(abc.ABC):
     `run` counts the calls, and `failed` those that raised an exception.
     """
 
-    def __init__(self, raw: _Ends, callback: Callable[..., Any], end: Callable[[], None]) -> None:
-        self.callback = callback
-        self.run = 0
+    def __init__(self, raw: Ends, callback: Callable[..., Any], end: Callable[[], None]) -> None:
+        self._callback = callback
+        self._run = 0
         self.failed = 0
         self._logs_since = -math.inf
         self._logged = 0
@@ -46,6 +46,14 @@ class Handler(abc.ABC):
         elif self._logged == _MOST_LOGGED + 1:
             logger.error("%s raises exceptions again and again: %d so far. Until %d s after the first, others are only "
                          "counted (`failed`).", what, self.failed, _LOGS_WITHIN_S)
+
+    @property
+    def callback(self) -> Callable[..., Any]:
+        return self._callback
+
+    @property
+    def run(self) -> int:
+        return self._run
 
     @property
     def active(self) -> bool:

@@ -18,7 +18,7 @@ from .message_types import Decode, decoder, schema_of
 from .parameters import Parameters
 from .publisher import Publisher
 from .queues import KeepAll, KeepLast, Queue
-from .readable import readable
+from .readable import encodable, readable
 from .services import Call
 from .timers import Tick, period_ns
 from .transforms import Transforms
@@ -37,10 +37,10 @@ _LEVELS = {logging.DEBUG: 0, logging.INFO: 1, logging.WARNING: 2}
 class Client(Generic[Request, Reply]):
     """A service that a component calls; made by `Context.client`."""
 
-    def __init__(self, context: Context, raw: _hgros.Client, name: str, reply_type: type[Reply]) -> None:
+    def __init__(self, context: Context, raw: _hgros.Client, reply_type: type[Reply]) -> None:
         self._context = context
         self._raw = raw
-        self._name = name
+        self._name = raw.service
         self._reply_type = reply_type
 
     def call(self, request: Request, *, timeout: float = 1.0) -> Call[Reply]:
@@ -62,9 +62,10 @@ class _LogHandler(logging.Handler):
             lines = self.format(record).splitlines()
             try:
                 for line in lines:
-                    self._raw.log(_LEVELS.get(record.levelno, 3), line)
+                    self._raw.log(_LEVELS.get(record.levelno, 3), encodable(line))
             except Error:  # The component has ended, or this is a forked child. The process still has its output.
-                print(*(f"{record.name}: {readable(line)}" for line in lines), sep="\n", file=sys.stderr, flush=True)
+                text = "".join(f"{record.name}: {readable(line)}\n" for line in lines)
+                print(text, end="", file=sys.stderr, flush=True)  # In one piece: other threads write, too.
         except Exception:
             self.handleError(record)
 
@@ -74,7 +75,7 @@ class Context:
 
     The component does not know in which process or host it runs, nor what its channels are called there. Its constructor
     advertises, subscribes, serves and declares parameters. Callbacks begin after it, one at a time, on one thread.
-    Publish from `activate` and from callbacks; in the constructor only what is latched.
+    Publish from `activate` and from callbacks: in the constructor the component has no state yet.
     """
 
     def __init__(self, raw: _hgros.Context) -> None:
@@ -87,7 +88,7 @@ class Context:
         self._targets: list[Target] = []
         self._handlers: dict[int, Handler] = {}
         self._thread = 0
-        self._serving: set[str] = set()
+        self._serving: set[str] = set()  # As the robot calls them.
         self._loaning: dict[str, Publisher[Any]] = {}
         self._params: Parameters | None = None
         self._transforms: Transforms | None = None
@@ -186,14 +187,13 @@ class Context:
             data: bytes = reply.SerializeToString()
             return data
 
-        self._raw.serve(name, schema, schema_of(reply_type), self._add_target(receive))
-        self._serving.add(name)
+        self._serving.add(self._raw.serve(name, schema, schema_of(reply_type), self._add_target(receive)))
         return None
 
     def client(self, name: str, request_type: type[Request], reply_type: type[Reply]) -> Client[Request, Reply]:
         """A service that the component calls. Ask for it in the constructor, so that it is known before the robot runs."""
         raw = _hgros.Client(self._raw, name, schema_of(request_type), schema_of(reply_type))
-        return Client(self, raw, name, reply_type)
+        return Client(self, raw, reply_type)
 
     # Time.
 
@@ -232,7 +232,8 @@ class Context:
 
     @property
     def transforms(self) -> Transforms:
-        """The transforms of the robot."""
+        """The transforms of the robot. Use it in the constructor: a robot on several hosts passes them between the
+        components that have done so."""
         if self._transforms is None:
             self._transforms = Transforms(_hgros.Transforms(self._raw))
         return self._transforms
@@ -241,11 +242,11 @@ class Context:
 
     def finish(self, result: str = "") -> None:
         """The component's work is done. Only the first `finish` or `fail` counts."""
-        self._raw.finish(result)
+        self._raw.finish(encodable(result))
 
     def fail(self, sentence: str) -> None:
         """The component cannot go on, for the reason in `sentence`."""
-        self._raw.fail(sentence)
+        self._raw.fail(encodable(sentence))
 
     def __repr__(self) -> str:
         return f"<hgros.Context {self.name}>"

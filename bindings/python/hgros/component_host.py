@@ -18,7 +18,7 @@ from .callbacks import Handler
 from .component import Context
 from .errors import Error
 from .message_types import schema_of
-from .readable import readable
+from .readable import encodable, readable, told
 
 _WORK = 0  # The key of the inbox with work; those of a component's parameters come after it.
 
@@ -64,8 +64,8 @@ def _lines(fault: BaseException) -> list[str]:
 def describe(fault: BaseException) -> str:
     """What was raised, and where, in one line."""
     if isinstance(fault, _NoType):
-        return str(fault)
-    text = f"{type(fault).__name__}: {fault}".removesuffix(": ")
+        return encodable(str(fault))
+    text = told(fault)
     trace = _in_program(fault.__traceback__)
     if isinstance(fault, SyntaxError) or trace is None:
         return text
@@ -73,7 +73,7 @@ def describe(fault: BaseException) -> str:
     frames = traceback.extract_tb(trace)
     own = [frame for frame in frames if not frame.filename.startswith(("<", sys.prefix, sys.base_prefix))]
     frame = (own or frames)[-1]
-    return f"{text} ({frame.filename}:{frame.lineno})"
+    return f"{text} ({encodable(frame.filename)}:{frame.lineno})"
 
 
 def _load(name: str) -> type[Any]:
@@ -123,7 +123,7 @@ def find(name: str) -> tuple[bool, _hgros.Schema | None]:
     except _NoType:
         raise
     except BaseException as fault:
-        print(*_lines(fault), sep="\n", file=sys.stderr, flush=True)
+        print("\n".join(_lines(fault)) + "\n", end="", file=sys.stderr, flush=True)
         raise
 
 
@@ -151,7 +151,7 @@ class Hosted:
         try:
             self._object = self._type(self._context)
         except BaseException as fault:  # Nobody has a log yet when it is only tried.
-            print(*_lines(fault), sep="\n", file=sys.stderr, flush=True)
+            print("\n".join(_lines(fault)) + "\n", end="", file=sys.stderr, flush=True)
             raise
 
     def receive(self, target: int, *arguments: Any) -> bytes | None:

@@ -124,6 +124,12 @@ def _build(schema: _hgros.Schema) -> type[Message]:
         raise Error(f"The messages of type {schema.type_name} cannot be read: {fault_of_pool}") from fault_of_pool
 
 
+def made_by(decode: Decode) -> type[Message] | None:
+    """The class whose `FromString` it is."""
+    owner = getattr(decode, "__self__", None)
+    return owner if isinstance(owner, type) and issubclass(owner, Message) else None
+
+
 def decoder(schema: _hgros.Schema, wanted: type[Message] | None, channel: str) -> Decode:
     """A function from the bytes of one message to the message.
 

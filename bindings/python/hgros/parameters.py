@@ -34,7 +34,7 @@ class _Watch(Handler):
 
     def handle_some(self) -> bool:
         for paths in self._inbox.take(16):
-            self.run += 1
+            self._run += 1
             try:
                 self.callback(paths)
             except Exception:
@@ -53,7 +53,6 @@ class Parameters:
     def __init__(self, owner: _Owner, raw: _hgros.Params) -> None:
         self._owner = owner
         self._raw = raw
-        self._types: dict[str, type[Any]] = {}
 
     def declare(self, path: str, default: V, description: str = "", *, unit: str = "", least: float | None = None,
                 most: float | None = None, choices: Sequence[str] = (), read_only: bool = False) -> V:
@@ -63,15 +62,14 @@ class Parameters:
         Raises Error if its current value is not, naming where that was set.
         """
         value: V = self._raw.declare(path, default, description, unit, least, most, list(choices), read_only)
-        if isinstance(default, float):
-            self._types[path] = float
         return value
 
     def get(self, path: str) -> Any:
-        """The value, or None if there is none. A map is a dict, a list is a list."""
-        value = self._raw.get(path)
-        wanted = self._types.get(path)
-        return value if wanted is None or value is None else wanted(value)
+        """The value, or None if there is none. A map is a dict, a list is a list.
+
+        A declared parameter has its type. Others that are not quoted in YAML are numbers or bools if they look so.
+        """
+        return self._raw.get(path)
 
     __getitem__ = get
 

@@ -18,3 +18,18 @@ def _escaped(found: re.Match[str]) -> str:
 def readable(text: str) -> str:
     """The text with control characters, and those that change the direction of text, escaped as in C++."""
     return _HIDDEN.sub(_escaped, text)
+
+
+def encodable(text: str) -> str:
+    """The text with halves of surrogate pairs escaped: C++ takes only what can be written as UTF-8."""
+    return text.encode("utf-8", "backslashreplace").decode() if isinstance(text, str) else text
+
+
+def told(fault: BaseException) -> str:
+    """The type of an exception and what it says, for C++. Raises none itself."""
+    name = type(fault).__name__
+    try:
+        text = f"{name}: {fault}".removesuffix(": ")
+    except BaseException as other:
+        text = f"{name} (its __str__ has raised {type(other).__name__})"
+    return encodable(text)

@@ -1,6 +1,7 @@
 """Says what is missing where this Python cannot use the package. Any version of Python 3 reads this file."""
 
 import glob
+import importlib
 import importlib.machinery
 import os
 import re
@@ -28,5 +29,15 @@ def _check_protobuf() -> None:
                                       sys.executable), name=fault.name) from None
 
 
+def _check_interpreter() -> None:
+    try:
+        interpreters = importlib.import_module("_xxsubinterpreters")
+    except ImportError:
+        return
+    if interpreters.get_current() != interpreters.get_main():
+        raise ImportError("The package hgros works only in the main interpreter of a process. Start another process.")
+
+
 _check_version()
+_check_interpreter()
 _check_protobuf()

@@ -5,12 +5,13 @@ from __future__ import annotations
 import threading
 from typing import Any, Callable, Generator, Generic, TypeVar
 
-from google.protobuf.message import DecodeError, Message
+from google.protobuf.message import Message
 
 from . import _hgros
 from .callbacks import Handler
 from .errors import Error
 from .message_types import decoder
+from .readable import told
 from .stream import until_woken
 
 R = TypeVar("R")
@@ -26,7 +27,10 @@ class CallError(Error):
 
 
 class Call(Generic[R]):
-    """A reply that may still come: `call.result()`, or `await call` in asyncio. Dropping it ignores the reply."""
+    """A reply that may still come: `call.result()`, or `await call` in asyncio. Dropping it ignores the reply.
+
+    Ctrl-C in `result`, and cancelling a task that awaits it, cancel the call.
+    """
 
     def __init__(self, begin: Callable[[_hgros.Inbox], _hgros.CallTicket], name: str, reply_type: type[Message] | None,
                  deadlocks: bool) -> None:
@@ -36,7 +40,7 @@ class Call(Generic[R]):
         self._ready = _hgros.ReadyList()
         self._inbox = _hgros.Inbox(self._ready, 0)
         self._reply: Any = None
-        self._error: CallError | None = None
+        self._failure: tuple[str, str] | None = None  # No exception: it would keep this call, and its request.
         self._ended = False
         self._lock = threading.Lock()
         self._ticket = begin(self._inbox)
@@ -54,16 +58,24 @@ class Call(Generic[R]):
             self.cancel()
             raise CallError("would deadlock", f'The service "{self._name}" of this session is handled by the thread that '
                             "waits for it. Call it from another thread.")
-        while not self._end():
-            self._ready.wait(-1.0)
+        try:
+            while not self._end():
+                self._ready.wait(-1.0)
+        except BaseException:
+            self.cancel()
+            raise
         return self._value()
 
     def __await__(self) -> Generator[Any, None, R]:
         return self._awaited().__await__()
 
     async def _awaited(self) -> R:
-        while not self._end():
-            await until_woken(self._ready)
+        try:
+            while not self._end():
+                await until_woken(self._ready)
+        except BaseException:
+            self.cancel()
+            raise
         return self._value()
 
     def _end(self) -> bool:
@@ -72,19 +84,19 @@ class Call(Generic[R]):
             if not self._ended and (taken := self._inbox.take(1)):
                 wire, schema, kind, reason = taken[0]
                 if kind:
-                    self._error = CallError(kind, reason)
+                    self._failure = kind, reason
                 else:
                     try:
                         self._reply = decoder(schema, self._reply_type, self._name)(wire)
-                    except (DecodeError, Error) as fault:
-                        self._error = CallError("not writable", f"The reply cannot be read: {fault}")
+                    except Exception as fault:
+                        self._failure = "not writable", f"The reply cannot be read: {fault}"
                 self._ended = True
-                self._ready.wake()  # For other threads that wait.
+                self._ready.end()  # Others may wait, too.
             return self._ended
 
     def _value(self) -> R:
-        if self._error is not None:
-            raise self._error
+        if self._failure is not None:
+            raise CallError(*self._failure)
         value: R = self._reply
         return value
 
@@ -105,7 +117,7 @@ class Service(Handler):
 
     def handle_some(self) -> bool:
         for wire, schema, answer in self._inbox.take(1):
-            self.run += 1
+            self._run += 1
             try:
                 request = decoder(schema, self._request_type, self.name)(wire)
                 reply = self.callback(request)
@@ -118,7 +130,7 @@ class Service(Handler):
                     self._fails(f'The handler of service "{self.name}"')
                 else:
                     self.failed += 1
-                answer.fail(f"{type(fault).__name__}: {fault}")
+                answer.fail(told(fault))
                 if not isinstance(fault, Exception):
                     raise
         return False

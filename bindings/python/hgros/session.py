@@ -29,15 +29,14 @@ from .readable import readable
 from .services import Call, Service
 from .snapshot import KnownChannel, SessionSnapshot, snapshot_of
 from .stream import Messages
-from .subscription import Reader, Subscription
-from .timers import Rate, Tick, Timer, period_ns
+from .subscription import AnyCallback, Known, Reader, Subscription
+from .timers import NamelessTimer, NamelessTimers, Rate, Tick, Timer, period_ns
 from .transforms import Transforms
 
 M = TypeVar("M", bound=Message)
 Request = TypeVar("Request", bound=Message)
 Reply = TypeVar("Reply", bound=Message)
 Turn = TypeVar("Turn", bound=Callable[[Tick], object])
-AnyCallback = Callable[[Any, _hgros.MessageInfo], object]
 Callback = TypeVar("Callback", bound=AnyCallback)
 
 # Of a callback at the end of the interpreter.
@@ -78,8 +77,9 @@ class Session:
         self._native = _hgros.Session(None if file is None else os.fspath(file), text, list(sections),
                                       _program() if name is None else name, _log_inbox())
         self._id, self._name = self._native.id, self._native.name
-        self._ready = _hgros.ReadyList()
+        self._ready = _hgros.ReadyList(self._native)
         self._handlers: dict[int, Handler] = {}
+        self._known: dict[int, Known] = {}  # What the library calls without a line of Python in between.
         self._streams: weakref.WeakSet[Messages[Any] | Rate] = weakref.WeakSet()
         self._file = None if file is None else os.fspath(file)
         self._params: Parameters | None = None
@@ -88,6 +88,7 @@ class Session:
         self._spinner: int | None = None
         self._loaning: dict[str, Publisher[Any]] = {}
         self._next_key = 0
+        self._nameless = NamelessTimers()
         self._lock = threading.RLock()
         self._spins = threading.Lock()
         self._stops = 0
@@ -122,7 +123,7 @@ class Session:
         if self._native.of_parent:
             return
         self._closing = True
-        self._ready.wake()
+        self._ready.end()
         # A callback does not wait for a close() that waits for the callback.
         if not self._closes.acquire(blocking=self._spinner != threading.get_ident()):
             return
@@ -279,7 +280,8 @@ class Session:
         check_callback(callback, 2, f'channel "{channel}"')
         key, inbox = self._new_inbox()
         raw = self._open(channel, wanted, inbox, queue, name)
-        subscription = Subscription(raw, Reader(inbox, channel, wanted), callback, lambda: self._forget(key))
+        subscription = Subscription(raw, Reader(inbox, channel, wanted), callback, lambda: self._forget(key),
+                                    lambda known: self._know(key, known))
         self._add(key, subscription)
         return subscription
 
@@ -305,6 +307,13 @@ class Session:
 
     def _forget(self, key: int) -> None:
         self._handlers.pop(key, None)
+        self._known.pop(key, None)
+
+    def _know(self, key: int, known: Known | None) -> None:
+        if known is not None:
+            self._known[key] = known
+        if known is None or key not in self._handlers:  # Another thread may have ended it meanwhile.
+            self._known.pop(key, None)
 
     def _open(self, channel: str, wanted: type[Message] | None, inbox: _hgros.Inbox, queue: Queue,
               name: str) -> _hgros.Subscription:
@@ -329,7 +338,7 @@ class Session:
         check_queue(queue)
         if timeout is not None:
             check_seconds(timeout, "timeout")
-        ready = _hgros.ReadyList()
+        ready = _hgros.ReadyList(self._use())
         inbox = _hgros.Inbox(ready, 0)
         raw = self._open(channel, message_type, inbox, queue, name)
         stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout)
@@ -412,8 +421,12 @@ class Session:
         check_callback(callback, 1, "a timer")
         key, inbox = self._new_inbox()
         inbox.keep_last(1)
-        name = name or f"python{key}"
-        raw = _hgros.create_timer(self._use(), name, period_ns(period), inbox)
+        raw: _hgros.Timer | NamelessTimer
+        if name:
+            raw = _hgros.create_timer(self._use(), name, period_ns(period), inbox)
+        else:
+            raw = self._nameless.open(self._use(), period_ns(period), inbox)
+            name = raw.name
         timer = Timer(raw, inbox, name, callback, lambda: self._forget(key))
         self._add(key, timer)
         return timer
@@ -423,7 +436,7 @@ class Session:
         ready = _hgros.ReadyList()
         inbox = _hgros.Inbox(ready, 0)
         inbox.keep_last(1)
-        rate = Rate(_hgros.create_timer(self._use(), f"python{self._new_key()}", period_ns(period), inbox), inbox, ready)
+        rate = Rate(self._nameless.open(self._use(), period_ns(period), inbox), inbox, ready)
         self._keep(rate)
         return rate
 
@@ -452,7 +465,7 @@ class Session:
         try:
             self._ring_all()
             while not self.closed and self._stops == stops:
-                self._handle(self._ready.wait(-1.0))
+                self._handle(*self._ready.run(self._known, -1.0, False))
         finally:
             self._ready.relax()
 
@@ -463,10 +476,13 @@ class Session:
                 self._run(stops)
             finally:
                 spinning.__exit__()
-        except SystemExit:  # Python lets it end this thread alone, without a word.
-            logger.exception('A callback called sys.exit() on the thread of start(), which has ended. Callbacks of '
-                             'session "%s" run again after start() or spin(). To end the program, let the callback tell '
-                             "its main thread.", self.name)
+        except BaseException as fault:  # Python lets sys.exit() end this thread alone, without a word.
+            if isinstance(fault, Exception):
+                raise
+            what = "called sys.exit()" if isinstance(fault, SystemExit) else f"raised {type(fault).__name__}"
+            logger.exception('A callback %s on the thread of start(), which has ended. Callbacks of session "%s" run again '
+                             "after start() or spin(). To end the program, let the callback tell its main thread.", what,
+                             self.name)
 
     def spin_once(self, timeout: float = 0.0) -> bool:
         """Waits at most `timeout` seconds until callbacks can run, and runs those. Returns whether any callback ran.
@@ -476,11 +492,12 @@ class Session:
         with self._Spinning(self) as stops:
             deadline = time.monotonic() + max(timeout, 0.0)
             self._ring_all()
-            while True:
-                if self._handle(self._ready.wait(max(deadline - time.monotonic(), 0.0))):
+            while not self.closed:
+                if self._handle(*self._ready.run(self._known, max(deadline - time.monotonic(), 0.0), True)):
                     return True
-                if self.closed or self._stops != stops or time.monotonic() >= deadline:
-                    return False
+                if self._stops != stops or time.monotonic() >= deadline:
+                    break
+            return False
 
     def start(self) -> None:
         """Runs callbacks on a thread of their own until `stop` or `close`; for notebooks and interactive use.
@@ -524,15 +541,16 @@ class Session:
         with self._Spinning(self) as stops:
             loop = asyncio.get_running_loop()
             woken = asyncio.Event()
-            loop.add_reader(self._ready.fileno(), woken.set)
+            descriptor = self._ready.fileno()
+            loop.add_reader(descriptor, woken.set)
             try:
                 self._ring_all()
                 while not self.closed and self._stops == stops:
                     await woken.wait()
-                    self._handle(self._ready.take())
+                    self._handle(0, self._ready.take(), None, None)
                     woken.clear()
             finally:
-                loop.remove_reader(self._ready.fileno())
+                loop.remove_reader(descriptor)
 
     class _Spinning:
         """One spin at a time: callbacks do not run at the same time as others."""
@@ -558,13 +576,15 @@ class Session:
         for key in list(self._handlers):
             self._ready.add(key)
 
-    def _handle(self, keys: list[int]) -> int:
-        # Returns how many callbacks ran.
+    def _handle(self, ran: int, keys: list[int], failed: Subscription | None, fault: BaseException | None) -> int:
+        # Returns how many callbacks ran, with the `ran` before.
         keys.reverse()
         key = -1
         more = False
-        ran = 0
         try:
+            if failed is not None and fault is not None:
+                faults, fault = [fault], None  # A frame that keeps an exception would keep itself, and the message.
+                self._take_fault(failed, faults)
             while keys and not self.closed:
                 key = keys.pop()
                 handler = self._handlers.get(key)
@@ -584,6 +604,13 @@ class Session:
             for left in reversed(keys):
                 self._ready.add(left)
         return ran
+
+    @staticmethod
+    def _take_fault(failed: Subscription, faults: list[BaseException]) -> None:
+        try:
+            raise faults.pop()
+        except BaseException:
+            failed.take_fault()
 
     def __repr__(self) -> str:
         return f"<hgros.Session {'closed' if self.closed else self.name}>"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import time
+import weakref
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import _hgros
@@ -21,18 +21,30 @@ async def until_woken(ready: _hgros.ReadyList) -> None:
 
     loop = asyncio.get_running_loop()
     woken: asyncio.Future[None] = loop.create_future()
-    own = os.dup(ready.fileno())  # A loop has one reader for a descriptor, and several tasks may wait.
-    loop.add_reader(own, _wake, woken)
+    descriptor = ready.fileno()
+    # A loop has one reader for a descriptor, and several tasks may wait.
+    waiting = _waiting.setdefault(loop, {}).setdefault(descriptor, [])
+    waiting.append(woken)
+    if len(waiting) == 1:
+        loop.add_reader(descriptor, _wake, waiting)
     try:
         await woken
     finally:
-        loop.remove_reader(own)
-        os.close(own)
+        waiting.remove(woken)
+        if not waiting:
+            loop.remove_reader(descriptor)
+            del _waiting[loop][descriptor]
 
 
-def _wake(woken: asyncio.Future[None]) -> None:
-    if not woken.done():  # It may have ended meanwhile.
-        woken.set_result(None)
+# By descriptor.
+_waiting: weakref.WeakKeyDictionary[asyncio.AbstractEventLoop, dict[int, list[asyncio.Future[None]]]] = (
+    weakref.WeakKeyDictionary())
+
+
+def _wake(waiting: list[asyncio.Future[None]]) -> None:
+    for woken in waiting:
+        if not woken.done():  # It may have ended meanwhile.
+            woken.set_result(None)
 
 
 class Messages(Generic[M]):
@@ -114,11 +126,13 @@ class Messages(Generic[M]):
     def close(self) -> None:
         """Ends the subscription, and iterations on other threads. Does nothing if it has ended."""
         raw, self._raw = self._raw, None
-        if raw is not None and not raw.of_parent:
-            self._reader.finish(False)
-            self._dropped = raw.dropped
-            raw.end()
-            self._ready.wake()
+        try:
+            if raw is not None and not raw.of_parent:
+                self._reader.finish(False)
+                self._dropped = raw.dropped
+                raw.end()
+        finally:
+            self._ready.end()
 
     def __enter__(self) -> Messages[M]:
         return self

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any, Callable
 
 from google.protobuf.message import DecodeError, Message
@@ -10,9 +11,14 @@ from . import _hgros
 from .callbacks import Handler
 from .errors import Error
 from .log_relay import logger
-from .message_types import Decode, decoder
+from .message_types import Decode, decoder, made_by
 
+AnyCallback = Callable[[Any, _hgros.MessageInfo], object]
+KnownType = tuple[Decode, type[Message] | None, list[Any]]  # See Inbox.run_known().
+Known = tuple[_hgros.Inbox, KnownType, AnyCallback, Any]  # What ReadyList.run() needs for callbacks.
 _AT_ONCE = 32
+_MOST_TOLD = 100
+_NONE, _MORE, _OTHER = range(3)  # What Inbox.run_known() returns.
 
 
 class Reader:
@@ -23,8 +29,9 @@ class Reader:
         self.not_decoded = 0
         self._inbox = inbox
         self._wanted = wanted
-        self._decode: Decode | None = None
+        self._type: KnownType | None = None
         self._refused: set[tuple[str, int]] = set()
+        self._unreadable: set[int] = set()  # Publishers.
         self.more = False  # Whether others wait behind the last one.
 
     def next(self) -> tuple[Any, _hgros.MessageInfo] | None:
@@ -33,24 +40,58 @@ class Reader:
             wire, schema, info, self.more = taken
             if schema is not None:
                 self._use(schema, info)
-            if self._decode is not None:
+            if self._type is not None:
                 try:
-                    return self._decode(wire), info
-                except DecodeError as fault:
-                    logger.warning('A message on channel "%s" cannot be read: %s', self.channel, fault)
+                    return self._type[0](wire), info
+                except Exception:
+                    self._log_unreadable(info.publisher)
             self.not_decoded += 1
             self._inbox.skip()
         self.more = False
         return None
+
+    def run_known(self, callback: AnyCallback) -> int:
+        """Calls it with messages of the schema of the last one; returns what is left. Raises what the callback raises."""
+        return _OTHER if self._type is None else self._inbox.run_known(self._type, callback, _AT_ONCE)
+
+    def for_callback(self, callback: AnyCallback, handler: Any) -> Known | None:
+        """What ReadyList.run() needs to call it with messages of the schema of the last one; None if that is not read."""
+        return None if self._type is None else (self._inbox, self._type, callback, handler)
+
+    def take_fault(self) -> bool:
+        """Whether what is being handled was raised in place of a message, which is then left out, not by a callback."""
+        publisher = self._inbox.take_undecoded()
+        if publisher is None:
+            return False
+        self.not_decoded += 1
+        if not isinstance(sys.exc_info()[1], Exception):
+            raise
+        self._log_unreadable(publisher)
+        return True
+
+    @property
+    def ran(self) -> int:
+        """How many callbacks run_known() has begun."""
+        return self._inbox.ran
+
+    def _log_unreadable(self, publisher: int) -> None:
+        """Once for each publisher, so that a stream of them writes one line."""
+        if publisher in self._unreadable or len(self._unreadable) == _MOST_TOLD:
+            return
+        self._unreadable.add(publisher)
+        fault = sys.exc_info()[1]
+        logger.warning('A message on channel "%s" from session %016x cannot be read: %s. Further ones are only counted.',
+                       self.channel, publisher, str(fault).rstrip("."), exc_info=not isinstance(fault, DecodeError))
 
     def finish(self, failed: bool) -> None:
         """The message was handled. Otherwise that is so when the next one is taken."""
         self._inbox.finish(failed)
 
     def _use(self, schema: _hgros.Schema, info: _hgros.MessageInfo) -> None:
-        self._decode = None  # Never that of another publisher.
+        self._type = None  # Never that of another publisher.
         try:
-            self._decode = decoder(schema, self._wanted, self.channel)
+            decode = decoder(schema, self._wanted, self.channel)
+            self._type = (decode, made_by(decode), [])
         except Exception as fault:
             kind = (schema.type_name, schema.fingerprint)
             if kind not in self._refused:
@@ -70,9 +111,10 @@ class Subscription(Handler):
 
     _raw: _hgros.Subscription | None
 
-    def __init__(self, raw: _hgros.Subscription, reader: Reader, callback: Callable[[Any, _hgros.MessageInfo], object],
-                 end: Callable[[], None]) -> None:
+    def __init__(self, raw: _hgros.Subscription, reader: Reader, callback: AnyCallback, end: Callable[[], None],
+                 on_known: Callable[[Known | None], None] | None = None) -> None:
         super().__init__(raw, callback, end)
+        self._on_known = on_known
         self._last = (raw.name, 0, 0)
         self._reader = reader
 
@@ -99,6 +141,10 @@ class Subscription(Handler):
     def not_decoded(self) -> int:
         return self._reader.not_decoded
 
+    @property
+    def run(self) -> int:
+        return self._run + self._reader.ran
+
     def end(self) -> None:
         """Ends the subscription. Does nothing if it has ended."""
         if (raw := self._raw) is not None and not raw.of_parent:
@@ -106,26 +152,42 @@ class Subscription(Handler):
         super().end()
 
     def handle_some(self) -> bool:
-        reader, callback = self._reader, self.callback
+        reader = self._reader
         for _ in range(_AT_ONCE):
-            if self._raw is None or (found := reader.next()) is None:
+            if self._raw is None:
                 return False
-            self.run += 1
-            failed = True
             try:
-                callback(*found)
-                failed = False
-            except Exception:
-                self._fails(f'A callback of channel "{self.channel}"')
+                if (left := reader.run_known(self.callback)) != _OTHER:
+                    return left == _MORE
+                found = reader.next()
+                if self._on_known is not None:
+                    self._on_known(reader.for_callback(self.callback, self))
+                if found is None:
+                    return False
+                self._call(found)
             except BaseException:
-                self.failed += 1
-                raise
-            finally:
-                _hgros.leave_callback()
-                reader.finish(failed)
-            if not reader.more:
-                return False
+                self.take_fault()
         return True
+
+    def take_fault(self) -> None:
+        """Called while an exception of the callback or of a message is handled."""
+        if self._reader.take_fault():
+            return
+        # No variable keeps the exception: it would keep itself, and the callback's message.
+        if not isinstance(sys.exc_info()[1], Exception):
+            self.failed += 1
+            raise
+        self._fails(f'A callback of channel "{self.channel}"')
+
+    def _call(self, found: tuple[Any, _hgros.MessageInfo]) -> None:
+        self._run += 1
+        failed = True
+        try:
+            self.callback(*found)
+            failed = False
+        finally:
+            _hgros.leave_callback()
+            self._reader.finish(failed)
 
     def __repr__(self) -> str:
         return f"Subscription({self.channel!r}, {'active' if self.active else 'ended'})"

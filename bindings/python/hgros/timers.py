@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Callable
 
 from . import _hgros
 from .arguments import check_seconds
-from .callbacks import Handler
+from .callbacks import Ends, Handler
 from .errors import Error
 
 
@@ -34,10 +35,41 @@ def _next(inbox: _hgros.Inbox) -> Tick | None:
     return None
 
 
+class NamelessTimers:
+    """Timers whose users give them no name. A session keeps what it has for a name, so the next timer takes that of one
+    that has ended.
+    """
+
+    def __init__(self) -> None:
+        self._made = itertools.count(1)
+        self._free: list[str] = []
+
+    def open(self, session: _hgros.Session, period: int, inbox: _hgros.Inbox) -> NamelessTimer:
+        """`period` in ns."""
+        try:
+            name = self._free.pop()
+        except IndexError:
+            name = f"python{next(self._made)}"
+        return NamelessTimer(_hgros.create_timer(session, name, period, inbox), name, self._free)
+
+
+class NamelessTimer:
+    """Gives its name back at its end, which is called once."""
+
+    def __init__(self, raw: _hgros.Timer, name: str, free: list[str]) -> None:
+        self._raw = raw
+        self.name = name
+        self._free = free
+
+    def end(self) -> None:
+        self._raw.end()
+        self._free.append(self.name)
+
+
 class Timer(Handler):
     """Calls a function periodically; made by `Session.timer`. `failed` counts calls that raised an exception."""
 
-    def __init__(self, raw: _hgros.Timer, inbox: _hgros.Inbox, name: str, callback: Callable[[Tick], object],
+    def __init__(self, raw: Ends, inbox: _hgros.Inbox, name: str, callback: Callable[[Tick], object],
                  end: Callable[[], None]) -> None:
         super().__init__(raw, callback, end)
         self.name = name
@@ -45,7 +77,7 @@ class Timer(Handler):
 
     def handle_some(self) -> bool:
         if (tick := _next(self._inbox)) is not None:
-            self.run += 1
+            self._run += 1
             try:
                 self.callback(tick)
             except Exception:
@@ -59,8 +91,8 @@ class Rate:
     It does not drift. A turn that was missed is skipped and counted. The loop ends when the session is closed.
     """
 
-    def __init__(self, raw: _hgros.Timer, inbox: _hgros.Inbox, ready: _hgros.ReadyList) -> None:
-        self._raw: _hgros.Timer | None = raw
+    def __init__(self, raw: Ends, inbox: _hgros.Inbox, ready: _hgros.ReadyList) -> None:
+        self._raw: Ends | None = raw
         self._inbox = inbox
         self._ready = ready
 
@@ -88,9 +120,11 @@ class Rate:
     def close(self) -> None:
         """Ends the rate and a loop that uses it."""
         raw, self._raw = self._raw, None
-        if raw is not None:
-            raw.end()
-            self._ready.wake()
+        try:
+            if raw is not None:
+                raw.end()
+        finally:
+            self._ready.end()
 
     def __del__(self) -> None:
         if getattr(self, "_raw", None) is not None:

@@ -10,6 +10,7 @@
 #include "bindings.hpp"
 #include "bulk_wire.hpp"
 #include "inbox.hpp"
+#include "run_callbacks.hpp"
 #include "session_handle.hpp"
 #include "wire.hpp"
 
@@ -119,6 +120,8 @@ py::object WireOf(Payload data) {
 
 py::object InfoOf(const MessageInfo& info) { return py::cast(Envelope{info}); }
 
+void SetInfo(py::handle object, const MessageInfo& info) { Held<Envelope>(object).info = info; }
+
 void BindInbox(py::module_& module) {
   BindInfo(module);
   py::class_<Wire, Owned<Wire>>(module, "Wire", py::buffer_protocol(), "The bytes of a message where they arrived.")
@@ -147,20 +150,29 @@ void BindInbox(py::module_& module) {
       .def("fail", &Answer::Fail);
 
   py::class_<ReadyList, std::shared_ptr<ReadyList>>(module, "ReadyList", "Which inboxes have something.")
-      .def(py::init<>())
+      .def(py::init([](const std::shared_ptr<SessionHandle>& session) { return MakeShared<ReadyList>(session); }),
+           py::arg("session") = py::none())
       .def("wait", &ReadyList::Wait, py::arg("timeout"))
+      .def("run", &RunCallbacks, py::arg("known"), py::arg("timeout"), py::arg("once"),
+           "As wait(), and calls the callbacks in `known`: how many ran, the keys that are left for Python, and the "
+           "handler whose callback has raised an exception with that, or None twice.")
       .def("take", &ReadyList::Take)
       .def("add", &ReadyList::Add, py::arg("key"))
       .def("wake", &ReadyList::Wake)
+      .def("end", &ReadyList::End)
       .def_static("prepare", &ReadyList::Prepare)
       .def_static("relax", &ReadyList::Relax)
-      .def("fileno", &ReadyList::descriptor);
+      .def("fileno", &ReadyList::HandOutDescriptor);
   py::class_<Inbox, std::shared_ptr<Inbox>>(module, "Inbox", "A bounded queue from the library to Python.")
       .def(py::init([](const std::shared_ptr<ReadyList>& ready, int key) { return MakeShared<Inbox>(ready, key); }),
            py::arg("ready"), py::arg("key"))
       .def("keep_last", [](Inbox& inbox, std::size_t depth) { inbox.SetQueue(Queue::KeepLast(depth)); })
       .def("take", &TakeFrom, py::arg("most"))
       .def("next", &NextOf)
+      .def("run_known", &RunKnownOf, py::arg("type"), py::arg("callback"), py::arg("most"),
+           "How it ended: 0: no more wait, 1: more wait, 2: the next one has another schema.")
+      .def_property_readonly("ran", &Inbox::ran)
+      .def("take_undecoded", &Inbox::TakeUndecoded)
       .def("finish", &Inbox::Finish, py::arg("failed"))
       .def("skip", &Inbox::Skip)
       .def("end", &Inbox::Close, Released())

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,11 +21,24 @@
 namespace hgros::python {
 namespace {
 
+// What a declared parameter, or each item of one, is. Others are what they look like.
+enum class Declared { kOther, kFloat, kText };
+
+template <class T>
+constexpr Declared kDeclared = Declared::kOther;
+template <>
+inline constexpr Declared kDeclared<double> = Declared::kFloat;
+template <>
+inline constexpr Declared kDeclared<std::string> = Declared::kText;
+template <class T>
+constexpr Declared kDeclared<std::vector<T>> = kDeclared<T>;
+
 // The parameters of a session's program, which other sessions can read and set, or of a component.
 class ParamsHandle : public OfProcess {
  public:
   ParamsHandle(std::shared_ptr<Session> session, const std::optional<std::string>& file)
-      : server_(std::in_place, ParamSources{.files = FilesOf(file), .overrides = ParamOverridesOfEnvironment()}),
+      : server_(std::in_place, ParamSources{.files = FilesOf(file), .overrides = ParamOverridesOfEnvironment()},
+                LogOf(session)),
         session_(std::move(session)),
         service_(std::in_place, *session_, *server_) {}
   explicit ParamsHandle(std::shared_ptr<ContextHandle> context) : context_(std::move(context)) {}
@@ -40,6 +55,14 @@ class ParamsHandle : public OfProcess {
   [[nodiscard]] T Declare(const std::string& path, const T& fallback, ParamInfo info) {
     return context_ ? context_->Use()->Declare<T>(path, fallback, std::move(info))
                     : server()->Declare<T>(path, fallback, std::move(info));
+  }
+  // With the GIL.
+  void NoteDeclared(const std::string& path, Declared as) {
+    if (as != Declared::kOther) declared_[ParamPath::Parse(path).ToString()] = as;
+  }
+  [[nodiscard]] Declared DeclaredAs(const ParamPath& path) const {
+    const auto found = declared_.find(path.ToString());
+    return found == declared_.end() ? Declared::kOther : found->second;
   }
   void Watch(const std::string& path, const std::shared_ptr<Inbox>& inbox) {
     auto listening = server()->OnChange(path, [inbox](const ParamEvent& event) {
@@ -62,6 +85,12 @@ class ParamsHandle : public OfProcess {
   }
 
  private:
+  // The server may outlive the session.
+  static LogSink LogOf(const std::weak_ptr<Session>& session) {
+    return [session](LogLevel level, std::string_view text) {
+      if (const auto open = session.lock()) open->log().Write(level, text);
+    };
+  }
   static std::vector<std::filesystem::path> FilesOf(const std::optional<std::string>& file) {
     if (!file) return {};
     return {std::filesystem::path(*file)};
@@ -71,6 +100,7 @@ class ParamsHandle : public OfProcess {
   std::optional<ParamServer> server_;
   std::shared_ptr<Session> session_;
   std::optional<ParamService> service_;
+  std::map<std::string, Declared> declared_;  // By path; used with the GIL.
   std::mutex mutex_;
   std::vector<Listening> listening_;
 };
@@ -84,24 +114,26 @@ std::optional<T> Try(const ParamView& view) {
   }
 }
 
-// A text that was not quoted is a bool or a number if it looks like one.
-py::object ToPython(const ParamView& view) {
+// A text that was not quoted is a bool or a number if it looks like one, unless it was declared as something else.
+py::object ToPython(const ParamsHandle& handle, const ParamView& view, Declared as = Declared::kOther) {
   if (!view.exists() || view.is_null()) return py::none();
   const ParamNode& node = *view.node();
+  if (as == Declared::kOther) as = handle.DeclaredAs(view.path());
   switch (node.kind) {
     case ParamNode::Kind::kList: {
       py::list list;
-      for (std::size_t i = 0; i < view.size(); ++i) list.append(ToPython(view[i]));
+      for (std::size_t i = 0; i < view.size(); ++i) list.append(ToPython(handle, view[i], as));
       return list;
     }
     case ParamNode::Kind::kMap: {
       py::dict map;
-      for (const auto& key : view.keys()) map[py::str(key)] = ToPython(view[key]);
+      for (const auto& key : view.keys()) map[py::str(key)] = ToPython(handle, view[key]);
       return map;
     }
     default: break;
   }
-  if (!node.IsString()) {
+  if (as == Declared::kFloat) return py::float_(view.as<double>());
+  if (as == Declared::kOther && !node.IsString()) {
     if (const auto flag = Try<bool>(view)) return py::bool_(*flag);
     if (const auto whole = Try<std::int64_t>(view)) return py::int_(*whole);
     if (const auto number = Try<double>(view)) return py::float_(*number);
@@ -154,9 +186,10 @@ ParamNode ToNode(const py::handle& value, int depth = 0) {
 
 template <class T>
 py::object Declare(ParamsHandle& handle, const std::string& path, const T& fallback, ParamInfo info) {
-  const py::gil_scoped_release released;
+  const GilRelease released;
   const T value = handle.Declare<T>(path, fallback, std::move(info));
   const py::gil_scoped_acquire acquired;
+  handle.NoteDeclared(path, kDeclared<T>);
   return py::cast(value);
 }
 
@@ -209,7 +242,7 @@ std::string Set(ParamsHandle& handle, const py::dict& values) {
     if (!value.is_none()) change.value = ToNode(value);
     changes.push_back(std::move(change));
   }
-  const py::gil_scoped_release released;
+  const GilRelease released;
   return handle.server()->Change(changes).refusal;
 }
 
@@ -218,13 +251,14 @@ std::string Set(ParamsHandle& handle, const py::dict& values) {
 void BindParams(py::module_& module) {
   py::class_<ParamsHandle, Owned<ParamsHandle>>(module, "Params", "The parameters of a program.")
       .def(py::init([](const SessionHandle& session, const std::optional<std::string>& file) {
+             const GilRelease released;
              return MakeOwned<ParamsHandle>(session.Use(), file);
            }),
-           Released(), py::arg("session"), py::arg("file"))
+           py::arg("session"), py::arg("file"))
       .def(py::init([](const std::shared_ptr<ContextHandle>& context) { return MakeOwned<ParamsHandle>(context); }),
            py::arg("context"))
-      .def("get",
-           [](ParamsHandle& handle, const std::string& path) { return ToPython(handle.server()->Snapshot().At(path)); })
+      .def("get", [](ParamsHandle& handle,
+                     const std::string& path) { return ToPython(handle, handle.server()->Snapshot().At(path)); })
       .def("has",
            [](ParamsHandle& handle, const std::string& path) { return handle.server()->Snapshot().At(path).exists(); })
       .def(

@@ -28,14 +28,14 @@ constexpr std::size_t kHeadroomBytes = 1024;
 template <class Data>
 PublishStatus PublishOrWait(const PublisherHandle& publisher, const Data& data, std::optional<double> timeout_s) {
   if (!timeout_s || !(*timeout_s > 0)) {
-    const py::gil_scoped_release released;
+    const GilRelease released;
     return publisher.Publish(data, {});
   }
   const auto deadline = Clock::now() + Nanoseconds(*timeout_s);
   while (true) {
     PublishStatus status{};
     {
-      const py::gil_scoped_release released;
+      const GilRelease released;
       status = publisher.Publish(data, std::min(deadline, Clock::now() + kSignalsEvery));
     }
     if (status != PublishStatus::kTimedOut || Clock::now() >= deadline) return status;
@@ -81,7 +81,7 @@ class LoanedBytes : public OfProcess {
  private:
   // A copy, with more room before the bytes.
   [[nodiscard]] Block Larger(const PublisherHandle& publisher, const std::string& before) {
-    const py::gil_scoped_release released;
+    const GilRelease released;
     Block larger = publisher.Loan(before.size() + size_bytes_);
     std::memcpy(larger.writable().data(), before.data(), before.size());
     std::memcpy(larger.writable().data() + before.size(), data(), size_bytes_);
@@ -98,7 +98,7 @@ Owned<LoanedBytes> Loan(const PublisherHandle& publisher, std::size_t size_bytes
     throw py::value_error("A loan has at most " + std::to_string(kMaxMessageBytes) + " bytes, not " +
                           std::to_string(size_bytes) + ".");
   }
-  const py::gil_scoped_release released;
+  const GilRelease released;
   return MakeOwned<LoanedBytes>(publisher.Loan(kHeadroomBytes + size_bytes), size_bytes);
 }
 

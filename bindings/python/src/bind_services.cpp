@@ -50,6 +50,7 @@ class TimerHandle : public OfProcess {
   NodeTimer timer_;
 };
 
+// Only hands it over, so it may run on any thread of the session.
 auto EndInto(const std::shared_ptr<Inbox>& inbox) {
   return [inbox](const CallResult<RawMessage>& result) {
     if (result) {
@@ -64,9 +65,9 @@ auto EndInto(const std::shared_ptr<Inbox>& inbox) {
 Owned<TicketHandle> Call(const SessionHandle& handle, const std::string& name, const MessageSchema& request_schema,
                          const std::string& request, const MessageSchema* reply, double timeout_s,
                          const std::shared_ptr<Inbox>& inbox) {
-  auto ticket =
-      handle.Use()->CallRaw(name, request_schema, Payload{AsBytes(request), nullptr},
-                            reply != nullptr ? *reply : MessageSchema{}, Nanoseconds(timeout_s), EndInto(inbox));
+  auto ticket = handle.Use()->CallRaw(name, request_schema, Payload{AsBytes(request), nullptr},
+                                      reply != nullptr ? *reply : MessageSchema{}, Nanoseconds(timeout_s),
+                                      EndInto(inbox), Executor::Inline());
   return MakeOwned<TicketHandle>(std::move(ticket));
 }
 
@@ -77,12 +78,14 @@ class ClientHandle : public OfProcess {
                const MessageSchema& reply)
       : context_(std::move(context)), client_(RawContext(*context_->Use().context).Client(name, request, reply)) {}
 
+  [[nodiscard]] const std::string& service() const noexcept { return client_.service(); }
+
   [[nodiscard]] Owned<TicketHandle> Call(const std::string& request, double timeout_s,
                                          const std::shared_ptr<Inbox>& inbox) const {
     RefuseInChild();
     const ContextHandle::Used used = context_->Use();
     return MakeOwned<TicketHandle>(
-        client_.Call(Payload{AsBytes(request), nullptr}, Nanoseconds(timeout_s), EndInto(inbox)));
+        client_.Call(Payload{AsBytes(request), nullptr}, Nanoseconds(timeout_s), EndInto(inbox), Executor::Inline()));
   }
 
  private:
@@ -118,9 +121,12 @@ void BindServices(py::module_& module) {
       .def("refuse_in_child", &TicketHandle::RefuseInChild);
   py::class_<ClientHandle, Owned<ClientHandle>>(module, "Client", "Calls one service for a component.")
       .def(py::init([](const std::shared_ptr<ContextHandle>& context, const std::string& name,
-                       const MessageSchema& request,
-                       const MessageSchema& reply) { return MakeOwned<ClientHandle>(context, name, request, reply); }),
-           Released(), py::arg("context"), py::arg("name"), py::arg("request"), py::arg("reply"))
+                       const MessageSchema& request, const MessageSchema& reply) {
+             const GilRelease released;
+             return MakeOwned<ClientHandle>(context, name, request, reply);
+           }),
+           py::arg("context"), py::arg("name"), py::arg("request"), py::arg("reply"))
+      .def_property_readonly("service", &ClientHandle::service)
       .def("call", &ClientHandle::Call, Released(), py::arg("request"), py::arg("timeout"), py::arg("inbox"));
   py::class_<ServiceHandle, Owned<ServiceHandle>>(module, "Service", "Keeps a service.")
       .def("end", &ServiceHandle::End, Released());

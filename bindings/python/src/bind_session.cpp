@@ -49,7 +49,7 @@ void BindSession(py::module_& module) {
       .def(py::init([](const std::optional<std::string>& file, const std::optional<std::string>& text,
                        const std::vector<std::string>& sections, const std::string& name,
                        const std::shared_ptr<Inbox>& log) {
-             const py::gil_scoped_release released;
+             const GilRelease released;
              return MakeShared<SessionHandle>(ConfigOf(file, text, sections), name, log);
            }),
            py::arg("file"), py::arg("text"), py::arg("sections"), py::arg("name"), py::arg("log"))

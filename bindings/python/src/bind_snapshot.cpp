@@ -52,7 +52,7 @@ py::list Dicts(const List& list) {
 py::dict Snapshot(const SessionHandle& handle) {
   SessionSnapshot taken;
   {
-    const py::gil_scoped_release released;
+    const GilRelease released;
     taken = handle.Use()->Snapshot();
   }
   return py::dict("id"_a = taken.id.ToString(), "name"_a = taken.name, "channels"_a = Dicts(taken.graph.channels),
@@ -62,7 +62,7 @@ py::dict Snapshot(const SessionHandle& handle) {
 py::list Channels(const SessionHandle& handle) {
   std::vector<KnownChannel> known;
   {
-    const py::gil_scoped_release released;
+    const GilRelease released;
     known = handle.Use()->Channels();
   }
   py::list list;

@@ -33,7 +33,8 @@ class TransformsHandle : public OfProcess {
   };
 
   explicit TransformsHandle(std::shared_ptr<Session> session) : kept_(std::make_shared<Kept>(std::move(session))) {}
-  explicit TransformsHandle(std::shared_ptr<ContextHandle> context) : context_(std::move(context)) {}
+  // In a constructor this declares that the component uses transforms. Errors: as used(). Without the GIL.
+  explicit TransformsHandle(std::shared_ptr<ContextHandle> context) : context_(std::move(context)) { (void)used(); }
   /// Release it without the GIL: it may be the last one. Errors: throws Error after End(), and in a
   /// forked child.
   [[nodiscard]] std::shared_ptr<Transforms> used() const {
@@ -93,7 +94,7 @@ using Used = std::shared_ptr<Transforms>;
 
 TransformResult Find(const TransformsHandle& handle, const std::string& target, const std::string& source,
                      std::optional<std::int64_t> stamp_ns) {
-  const py::gil_scoped_release released;
+  const GilRelease released;
   const Used used = handle.used();
   return stamp_ns ? used->FromTF(target, source, Time{*stamp_ns}) : used->FromTF(target, source);
 }
@@ -101,7 +102,7 @@ TransformResult Find(const TransformsHandle& handle, const std::string& target, 
 // Between two parts of a wait nothing is kept, so the session can close.
 TransformResult WaitPart(const TransformsHandle& handle, const std::string& target, const std::string& source,
                          std::optional<std::int64_t> stamp_ns, Clock::time_point deadline) {
-  const py::gil_scoped_release released;
+  const GilRelease released;
   const Used used = handle.used();
   TransformTree& tree = used->tree();
   TransformQuery query(tree.Frame(target), tree.Frame(source));
@@ -134,9 +135,15 @@ std::string Send(const TransformsHandle& handle, const std::string& parent, cons
 
 void BindTransforms(py::module_& module) {
   py::class_<TransformsHandle, Owned<TransformsHandle>>(module, "Transforms", "The transforms of a session.")
-      .def(py::init([](const SessionHandle& session) { return MakeOwned<TransformsHandle>(session.Use()); }),
-           Released(), py::arg("session"))
-      .def(py::init([](const std::shared_ptr<ContextHandle>& context) { return MakeOwned<TransformsHandle>(context); }),
+      .def(py::init([](const SessionHandle& session) {
+             const GilRelease released;
+             return MakeOwned<TransformsHandle>(session.Use());
+           }),
+           py::arg("session"))
+      .def(py::init([](const std::shared_ptr<ContextHandle>& context) {
+             const GilRelease released;
+             return MakeOwned<TransformsHandle>(context);
+           }),
            py::arg("context"))
       .def("lookup", &Lookup, py::arg("target"), py::arg("source"), py::arg("stamp_ns"), py::arg("timeout"))
       .def("end", &TransformsHandle::End, Released())

@@ -93,12 +93,27 @@ std::vector<Arrival> Inbox::Take(std::size_t most) {
 }
 
 std::optional<Arrival> Inbox::TakeOne(bool& more) {
+  bool other = false;
+  return TakeOneIf([](const Arrival&) { return true; }, more, other);
+}
+
+std::optional<Arrival> Inbox::TakeKnown(bool& more, bool& other) {
+  const auto is_known = [this](const Arrival& arrival) {
+    const auto* heard = std::get_if<Heard>(&arrival);
+    return heard != nullptr && heard->message.schema == last_schema_;
+  };
+  return TakeOneIf(is_known, more, other);
+}
+
+template <class Fits>
+std::optional<Arrival> Inbox::TakeOneIf(Fits fits, bool& more, bool& other) {
   RefuseInChild();
   std::optional<Arrival> taken;
   bool lossless = false;
   {
     const std::scoped_lock lock(mutex_);
-    if (!arrivals_.empty()) {
+    other = !arrivals_.empty() && !fits(arrivals_.front());
+    if (!arrivals_.empty() && !other) {
       bytes_ -= BytesOf(arrivals_.front());
       taken = std::move(arrivals_.front());
       arrivals_.pop_front();

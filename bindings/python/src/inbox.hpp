@@ -49,10 +49,18 @@ class Inbox : public OfProcess {
   [[nodiscard]] std::vector<Arrival> Take(std::size_t most);
   /// The oldest; empty if there is none. `more` tells whether others wait, for which the list does not get the key.
   [[nodiscard]] std::optional<Arrival> TakeOne(bool& more);
+  /// As TakeOne(), but leaves a message whose schema is not that of the last call of IsNew(): `other` tells that.
+  [[nodiscard]] std::optional<Arrival> TakeKnown(bool& more, bool& other);
   /// Whether `schema` is not that of the last call. For the one thread that takes.
   [[nodiscard]] bool IsNew(const std::shared_ptr<const MessageSchema>& schema) {
     return std::exchange(last_schema_, schema) != schema;
   }
+  /// Of the thread that takes: callbacks that have begun, and whose message was the last one if it could not be
+  /// decoded.
+  void CountCallback() noexcept { ++ran_; }
+  void NoteUndecoded(std::uint64_t publisher) noexcept { undecoded_ = publisher; }
+  [[nodiscard]] std::uint64_t ran() const noexcept { return ran_; }
+  [[nodiscard]] std::optional<std::uint64_t> TakeUndecoded() noexcept { return std::exchange(undecoded_, {}); }
   /// Drops what waits, without counting it.
   void Clear();
   /// Ends all waiting. Nothing can be pushed or taken any more.
@@ -63,6 +71,8 @@ class Inbox : public OfProcess {
 
  private:
   [[nodiscard]] bool HasRoomLocked() const noexcept;
+  template <class Fits>
+  [[nodiscard]] std::optional<Arrival> TakeOneIf(Fits fits, bool& more, bool& other);
 
   const std::shared_ptr<ReadyList> ready_;
   const int key_;
@@ -79,7 +89,9 @@ class Inbox : public OfProcess {
   };
   std::optional<Handled> handled_;
   std::uint64_t dropped_ = 0;
-  bool announced_ = false;  // The list has our key.
+  std::uint64_t ran_ = 0;
+  std::optional<std::uint64_t> undecoded_;  // The publisher.
+  bool announced_ = false;                  // The list has our key.
   bool closed_ = false;
 };
 

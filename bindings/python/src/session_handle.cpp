@@ -1,6 +1,8 @@
 #include "session_handle.hpp"
 
 #include <cstring>
+#include <new>
+#include <optional>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -35,11 +37,29 @@ std::shared_ptr<Session> SessionHandle::Use() const {
   return session_;
 }
 
+SessionHandle::Receiving::Receiving(SessionHandle& handle) : handle_(handle) {
+  const std::scoped_lock lock(handle_.mutex_);
+  session_ = handle_.session_;
+  ++handle_.receiving_;
+}
+
+SessionHandle::Receiving::~Receiving() {
+  const std::scoped_lock lock(handle_.mutex_);
+  session_.reset();  // Not the last one: Close() keeps it.
+  --handle_.receiving_;
+  handle_.left_.notify_all();
+}
+
 void SessionHandle::Close() {
   if (of_parent()) return;
   std::shared_ptr<Session> last;
-  const std::unique_lock lock(mutex_);
+  std::unique_lock lock(mutex_);
   last.swap(session_);
+  // So the session ends here, and not on a thread that receives.
+  closing_ = true;
+  if (last) last->WakeReceiver();
+  left_.wait(lock, [this] { return receiving_ == 0; });
+  lock.unlock();
 }
 
 bool SessionHandle::closed() const {
@@ -75,9 +95,14 @@ Owned<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel, c
 PublishStatus PublisherHandle::Publish(Bytes bytes,
                                        std::optional<std::chrono::steady_clock::time_point> deadline) const {
   if (bytes.size() < kLoanFrom) return Publish(Payload{bytes, nullptr}, deadline);
-  Block block = Loan(bytes.size());
-  std::memcpy(block.writable().data(), bytes.data(), bytes.size());
-  return Publish(block.payload(), deadline);
+  std::optional<Block> block;
+  try {
+    block = Loan(bytes.size());
+  } catch (const std::bad_alloc&) {
+    return PublishStatus::kNoMemory;
+  }
+  std::memcpy(block->writable().data(), bytes.data(), bytes.size());
+  return Publish(block->payload(), deadline);
 }
 
 PublishStatus PublisherHandle::Publish(const Payload& data,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -47,6 +49,22 @@ class SessionHandle : public OfProcess {
 
   /// The session. Errors: throws Error after Close(), and in a forked child.
   [[nodiscard]] std::shared_ptr<Session> Use() const;
+  /// A session that Close() leaves to the thread that calls it, after waiting for this object.
+  class Receiving {
+   public:
+    explicit Receiving(SessionHandle& handle);
+    Receiving(const Receiving&) = delete;
+    Receiving& operator=(const Receiving&) = delete;
+    ~Receiving();
+    /// Null after Close().
+    [[nodiscard]] Session* session() const noexcept { return session_.get(); }
+    /// Close() waits.
+    [[nodiscard]] bool closing() const noexcept { return handle_.closing_.load(); }
+
+   private:
+    SessionHandle& handle_;
+    std::shared_ptr<Session> session_;
+  };
   /// Ends the session, or lets the last thread that uses it do that. Call it without the GIL.
   /// Does nothing in a forked child.
   void Close();
@@ -58,6 +76,9 @@ class SessionHandle : public OfProcess {
  private:
   mutable std::mutex mutex_;
   std::shared_ptr<Session> session_;
+  std::condition_variable left_;  // By a thread that receives.
+  int receiving_ = 0;
+  std::atomic<bool> closing_{false};
 };
 
 /// Publishes bytes, with the cause of the callback that runs on this thread. All functions throw Error in a forked

@@ -108,7 +108,12 @@ void DoWork(const Work& work) {
   try {
     work.answer->Reply(work.run());
   } catch (const py::error_already_set& fault) {
-    work.answer->Fail(HostModule().attr("describe")(fault.value()).cast<std::string>());
+    std::string text = "It raised an exception that cannot be described.";
+    try {
+      text = HostModule().attr("describe")(fault.value()).cast<std::string>();
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): somebody waits for the answer.
+    }
+    work.answer->Fail(text);
   } catch (const std::exception& fault) {
     work.answer->Fail(fault.what());
   }

@@ -61,8 +61,8 @@ void ContextHandle::Subscribe(const std::string& channel, const MessageSchema* s
   }
 }
 
-void ContextHandle::Serve(const std::string& service, const MessageSchema& request, const MessageSchema& reply,
-                          int target) {
+std::string ContextHandle::Serve(const std::string& service, const MessageSchema& request, const MessageSchema& reply,
+                                 int target) {
   NodeOptions options;
   options.executor = Executor::Dedicated();
   const auto handle = [self = shared_from_this(), target](const RawMessage& asked) -> Payload {
@@ -73,7 +73,8 @@ void ContextHandle::Serve(const std::string& service, const MessageSchema& reque
     return {bytes, std::move(data)};
   };
   const Used used = Use();
-  RawContext(*used.context).Serve(service, request, reply, handle, Invoke::kSerial, std::move(options), ProgramLine());
+  return RawContext(*used.context)
+      .Serve(service, request, reply, handle, Invoke::kSerial, std::move(options), ProgramLine());
 }
 
 void ContextHandle::CreateTimer(const std::string& timer, std::int64_t period_ns, int target) {

@@ -46,7 +46,8 @@ class ContextHandle : public OfProcess, public std::enable_shared_from_this<Cont
   // Without the GIL.
   /// Without a schema, messages of all types.
   void Subscribe(const std::string& channel, const MessageSchema* schema, int target, NodeOptions options);
-  void Serve(const std::string& service, const MessageSchema& request, const MessageSchema& reply, int target);
+  [[nodiscard]] std::string Serve(const std::string& service, const MessageSchema& request, const MessageSchema& reply,
+                                  int target);
   void CreateTimer(const std::string& timer, std::int64_t period_ns, int target);
   [[nodiscard]] Owned<PublisherHandle> Advertise(const std::string& channel, const MessageSchema& schema,
                                                  std::size_t latched);

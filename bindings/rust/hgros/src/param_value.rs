@@ -22,7 +22,7 @@ pub trait ParamValue: sealed::Sealed {
     #[doc(hidden)]
     fn kind(&self) -> i32;
     #[doc(hidden)]
-    fn to_yaml(&self) -> String;
+    fn to_yaml(&self) -> Result<String>;
     #[doc(hidden)]
     fn set(&self, params: &Params, path: &str) -> Result<()>;
 }
@@ -37,8 +37,8 @@ impl ParamValue for bool {
     fn kind(&self) -> i32 {
         sys::HGROS_PARAM_BOOL
     }
-    fn to_yaml(&self) -> String {
-        self.to_string()
+    fn to_yaml(&self) -> Result<String> {
+        Ok(self.to_string())
     }
     fn set(&self, params: &Params, path: &str) -> Result<()> {
         // SAFETY: the arguments are valid during the call.
@@ -63,8 +63,8 @@ impl ParamValue for i64 {
     fn kind(&self) -> i32 {
         sys::HGROS_PARAM_INTEGER
     }
-    fn to_yaml(&self) -> String {
-        self.to_string()
+    fn to_yaml(&self) -> Result<String> {
+        Ok(self.to_string())
     }
     fn set(&self, params: &Params, path: &str) -> Result<()> {
         // SAFETY: the arguments are valid during the call.
@@ -89,8 +89,9 @@ impl ParamValue for f64 {
     fn kind(&self) -> i32 {
         sys::HGROS_PARAM_NUMBER
     }
-    fn to_yaml(&self) -> String {
-        format!("{self:?}")
+    fn to_yaml(&self) -> Result<String> {
+        require_finite(self)?;
+        Ok(format!("{self:?}"))
     }
     fn set(&self, params: &Params, path: &str) -> Result<()> {
         // SAFETY: the arguments are valid during the call.
@@ -115,8 +116,8 @@ impl ParamValue for &str {
     fn kind(&self) -> i32 {
         sys::HGROS_PARAM_TEXT
     }
-    fn to_yaml(&self) -> String {
-        quoted(self)
+    fn to_yaml(&self) -> Result<String> {
+        Ok(quoted(self))
     }
     fn set(&self, params: &Params, path: &str) -> Result<()> {
         let value = text("value", self)?;
@@ -131,7 +132,7 @@ impl ParamValue for String {
     fn kind(&self) -> i32 {
         self.as_str().kind()
     }
-    fn to_yaml(&self) -> String {
+    fn to_yaml(&self) -> Result<String> {
         self.as_str().to_yaml()
     }
     fn set(&self, params: &Params, path: &str) -> Result<()> {
@@ -149,11 +150,12 @@ impl ParamValue for &[f64] {
     fn kind(&self) -> i32 {
         sys::HGROS_PARAM_NUMBERS
     }
-    fn to_yaml(&self) -> String {
-        format!("{self:?}") // [1.0, 2.5]
+    fn to_yaml(&self) -> Result<String> {
+        self.iter().try_for_each(require_finite)?;
+        Ok(format!("{self:?}")) // [1.0, 2.5]
     }
     fn set(&self, params: &Params, path: &str) -> Result<()> {
-        params.set_yaml(path, &self.to_yaml())
+        params.set_yaml(path, &self.to_yaml()?)
     }
 }
 
@@ -161,7 +163,7 @@ impl ParamValue for Vec<f64> {
     fn kind(&self) -> i32 {
         self.as_slice().kind()
     }
-    fn to_yaml(&self) -> String {
+    fn to_yaml(&self) -> Result<String> {
         self.as_slice().to_yaml()
     }
     fn set(&self, params: &Params, path: &str) -> Result<()> {
@@ -191,6 +193,16 @@ impl FromParam for Vec<f64> {
             .map(|item| item.trim().parse().map_err(|_| refused()))
             .collect()
     }
+}
+
+fn require_finite(number: &f64) -> Result<()> {
+    if number.is_finite() {
+        return Ok(());
+    }
+    Err(Error::new(
+        Status::InvalidArgument,
+        format!("A parameter must be finite, but is {number}."),
+    ))
 }
 
 /// A text as YAML has it in double quotes.

@@ -79,7 +79,7 @@ impl Params {
     /// Gives a parameter of this program its kind, and the value that it has if it was never set.
     pub fn declare(&self, path: &str, fallback: impl ParamValue, info: &ParamInfo) -> Result<()> {
         let kind = fallback.kind();
-        let (path, fallback) = (text("path", path)?, text("value", &fallback.to_yaml())?);
+        let (path, fallback) = (text("path", path)?, text("value", &fallback.to_yaml()?)?);
         let (description, unit) = (
             text("description", &info.description)?,
             text("unit", &info.unit)?,
