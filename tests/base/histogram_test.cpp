@@ -9,6 +9,8 @@
 #include <random>
 #include <vector>
 
+#include "support/seed.hpp"
+
 namespace hgros {
 namespace {
 
@@ -86,9 +88,7 @@ TEST(LogHistogram, AcceptsAnyQuantile) {
 }
 
 TEST(LogHistogram, AgreesWithASortedVector) {
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(test::Seed());
   for (int round = 0; round < 50; ++round) {
     LogHistogram histogram;
     SortedVector model;
@@ -113,9 +113,7 @@ TEST(LogHistogram, AgreesWithASortedVector) {
 }
 
 TEST(LogHistogram, MergeEqualsOneHistogramOfAllValues) {
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(test::Seed());
   LogHistogram parts[3];
   LogHistogram whole;
   for (int i = 0; i < 5'000; ++i) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -135,9 +136,7 @@ TEST_F(FollowingClockTest, WakesSleepersOnJumpsAndSteps) {
 
 // With any delay of the states: between jumps no reading goes back, and elapsed time never goes back.
 TEST_F(FollowingClockTest, NeverGoesBackByItself) {
-  const std::uint64_t seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(test::Seed());
   follower_.FollowAnother(driver_.State());
   ClockReading last = follower_.Read();
   for (int i = 0; i < 5000; ++i) {

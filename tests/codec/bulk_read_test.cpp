@@ -14,6 +14,7 @@
 #include "foxglove/PointCloud.pb.h"
 #include "hgros/codec/bulk_field.hpp"
 #include "hgros/internal/codec/bulk_body.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -180,9 +181,7 @@ TEST(ReadBulk, DistinguishesEmptyFromMissingFieldIfTheSchemaDoes) {
 }
 
 TEST(ReadBulk, AgreesWithProtobufOnRandomChanges) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const std::string good = Cloud().SerializeAsString();
   const auto any = [&random](std::size_t below) {
     return std::uniform_int_distribution<std::size_t>(0, below - 1)(random);

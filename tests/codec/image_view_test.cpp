@@ -9,6 +9,7 @@
 
 #include "foxglove/RawImage.pb.h"
 #include "hgros/codec/message.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -88,9 +89,7 @@ TEST(ImageView, RefusesHugeNumbers) {
 }
 
 TEST(ImageView, NeverReadsOutsideItsBytes) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const auto any = [&random](std::uint32_t most) { return static_cast<std::uint32_t>(random()) % (most + 1); };
   for (int round = 0; round < 20'000; ++round) {
     const RawImage message =

@@ -13,6 +13,7 @@
 
 #include "foxglove/PointCloud.pb.h"
 #include "hgros/codec/message.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -161,9 +162,7 @@ TEST(PointCloudView, FaultHasNoView) {
 
 // For any message, every value of a view must be inside its bytes. The sanitizers check that.
 TEST(PointCloudView, NeverReadsOutsideItsBytes) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const auto any = [&random](std::uint32_t most) {
     const std::uint32_t small = std::uniform_int_distribution<std::uint32_t>(0, most)(random);
     return random() % 8 == 0 ? static_cast<std::uint32_t>(random()) : small;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "graph/graph_fixture.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -189,8 +190,7 @@ TEST(Lifetime, LogsTheNodeForWhichShutdownWaits) {
 
 TEST(Lifetime, SubscriptionsComeAndGoDuringPublishingAtAnyThreadCount) {
   for (const int threads : {1, 2, 3, 7, 16}) {
-    const std::uint64_t seed = std::random_device{}();
-    SCOPED_TRACE("seed " + std::to_string(seed) + ", threads " + std::to_string(threads));
+    SCOPED_TRACE("threads " + std::to_string(threads));
     DataGraph graph;
     std::atomic<bool> stop{false};
     std::atomic<std::uint64_t> published{0};
@@ -203,7 +203,7 @@ TEST(Lifetime, SubscriptionsComeAndGoDuringPublishingAtAnyThreadCount) {
         }
       });
     }
-    std::mt19937_64 random(seed);
+    std::mt19937_64 random(test::Seed());
     std::vector<Subscription> subscriptions;
     for (int i = 0; i < 300; ++i) {
       if (subscriptions.size() < 10 && random() % 2 == 0) {

@@ -146,7 +146,7 @@ TEST(HgrosCheck, TakesNoKeyWithSpacesForASectionOfTheProgram) {
   EXPECT_THAT(files.Findings({"robot.yaml"}), IsEmpty());
 }
 
-// Comparing all names with all others would take minutes.
+// Comparing all names with all others would take longer than the test may.
 TEST(HgrosCheck, EndsSoonForLongListsThatHaveNothingInCommon) {
   constexpr std::size_t kMany = 2000;
   const auto list = [](char letter) {
@@ -157,9 +157,7 @@ TEST(HgrosCheck, EndsSoonForLongListsThatHaveNothingInCommon) {
   ConfigFiles files;
   files.Add("robot.yaml", "network: {publisher: {ip: 'tcp://*:5553', channels: [" + list('a') + "]}}");
   files.Add("desk.yaml", "network: {subscribers: [{ip: 'tcp://10.0.0.7:5553', channels: [" + list('b') + "]}]}");
-  const auto begin = std::chrono::steady_clock::now();
   EXPECT_GE(files.Findings({"robot.yaml", "desk.yaml"}).size(), 2 * kMany);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
 }
 
 TEST(HgrosCheck, EndsSoonForManyChannelsInFilesThatIncludeEachOther) {

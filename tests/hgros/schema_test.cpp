@@ -59,12 +59,10 @@ std::string EndpointOf(const CommandRun& publisher) {
 constexpr std::string_view kNotDescribed =
     "hgros: The type robot.Hand of hand is not known here, and no session that uses it describes it: ";
 
-// It used to ask again and again until --timeout.
+// It used to ask again and again until --timeout, which is longer than the test may take.
 TEST(HgrosSchema, TellsAtOnceThatADescriptionIsTooLarge) {
   const CommandRun publisher({"large"}, {}, -1, HGROS_FOREIGN_PUBLISHER);
-  const auto begin = std::chrono::steady_clock::now();
-  const CommandEnd end = RunToEnd({"schema", "robot.Hand", "--connect", EndpointOf(publisher), "--timeout", "60"});
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+  const CommandEnd end = RunToEnd({"schema", "robot.Hand", "--connect", EndpointOf(publisher), "--timeout", "3000"});
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.err, HasSubstr("(foreign, process "));
   EXPECT_THAT(end.err,
@@ -73,18 +71,16 @@ TEST(HgrosSchema, TellsAtOnceThatADescriptionIsTooLarge) {
   EXPECT_THAT(end.err, HasSubstr(kNotDescribed));
 }
 
-// A session of version 1 would not answer, and the command would wait for --timeout.
+// A session of version 1 would not answer, and the command would wait for --timeout, longer than the test may take.
 TEST(HgrosSchema, DoesNotAskASessionThatTakesOnlyOlderRequests) {
   const CommandRun publisher({"older"}, {}, -1, HGROS_FOREIGN_PUBLISHER);
   for (const std::vector<std::string>& command : {std::vector<std::string>{"schema", "hand"}, {"pub", "hand", "{}"}}) {
-    const auto begin = std::chrono::steady_clock::now();
     std::vector<std::string> words = command;
     for (const std::string& word :
-         {std::string("--connect"), EndpointOf(publisher), std::string("--timeout"), std::string("60")})
+         {std::string("--connect"), EndpointOf(publisher), std::string("--timeout"), std::string("3000")})
       words.push_back(word);
     const CommandEnd end = RunToEnd(words);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(25)) << command.front();
-    EXPECT_EQ(end.status, 1);
+    EXPECT_EQ(end.status, 1) << command.front();
     EXPECT_THAT(end.err, testing::StartsWith(std::string(kNotDescribed)));
     EXPECT_THAT(end.err, HasSubstr("it runs an older version"));
   }

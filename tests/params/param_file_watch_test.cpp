@@ -14,6 +14,7 @@
 
 #include "params/params_fixture.hpp"
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -204,9 +205,7 @@ TEST_F(ParamFileWatchTest, ReadsANewFileOnlyWhenItIsClosed) {
 }
 
 TEST_F(ParamFileWatchTest, EndsWithTheFileThatThePathLeadsTo) {
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const auto any_folder = [&] { return "r" + std::to_string(random() % 3); };
   int value = 0;
   const auto write = [&](const std::string& folder) {

@@ -380,14 +380,12 @@ TEST_F(RemoteParamsTest, MakesARepeatedChangeOnlyOnce) {
 }
 
 TEST_F(RemoteParamsTest, EndsTheWaitForASessionThatIsNotThere) {
-  RemoteParams nobody(*robot_.session, "nobody", 60s);
-  const auto begin = std::chrono::steady_clock::now();
+  RemoteParams nobody(*robot_.session, "nobody", 1h);  // Longer than the test may take.
   auto waits = std::async(std::launch::async, [&] { return nobody.Snapshot().refusal; });
   test::Linger(50ms);
   nobody.EndWaits();
   EXPECT_THAT(waits.get(), HasSubstr("The wait for the session \"nobody\" was ended."));
   EXPECT_THAT(nobody.Snapshot().refusal, HasSubstr("was ended."));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 30s);
 }
 
 // Whether one of two services with one name says a line with this text.

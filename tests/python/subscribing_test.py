@@ -445,9 +445,7 @@ class Subscribing(RobotTest):
         for ready in (robot._ready, _hgros.ReadyList()):
             ready.take()
             ready.wake()
-            begin = time.monotonic()
-            self.assertEqual(ready.wait(DEADLINE_S), [])
-            self.assertLess(time.monotonic() - begin, DEADLINE_S / 2)
+            self.assertEqual(ready.wait(3600), [])  # Longer than the test may take.
 
     def test_waiting_thread_receives_itself(self):
         robot = self.session()

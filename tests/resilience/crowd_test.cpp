@@ -74,7 +74,7 @@ TEST_F(Crowd, SessionsThatOnlyFollowDoNotPairAndWriteNothing) {
   }
 }
 
-TEST_F(Crowd, FiveHundredSessionsKnowEachOtherWithinFiveSeconds) {
+TEST_F(Crowd, FiveHundredSessionsKnowEachOther) {
   constexpr std::uint64_t kProcesses = 25;
   constexpr std::uint64_t kAll = 501;
   const auto follow = [](std::uint64_t sessions) {
@@ -86,14 +86,12 @@ TEST_F(Crowd, FiveHundredSessionsKnowEachOtherWithinFiveSeconds) {
   const auto publisher = Start({"--sessions=1", "--publishers=1", "--total=" + std::to_string(kAll + 1)});
   for (const auto& one : followers) ASSERT_TRUE(one->Reaches({{"ready", 1}}, std::chrono::minutes(1))) << *one;
   ASSERT_TRUE(publisher->Reaches({{"ready", 1}})) << *publisher;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
   for (const auto& one : followers) {
-    EXPECT_TRUE(one->Reaches({{"known", kAll + 1}, {"received", 1}}, end - std::chrono::steady_clock::now()))
-        << one->pid() << " knows " << (*one)["known"];
+    EXPECT_TRUE(one->Reaches({{"known", kAll + 1}, {"received", 1}})) << one->pid() << " knows " << (*one)["known"];
     EXPECT_EQ((*one)["peers"], 1U) << "only the publisher";
     EXPECT_LE((*one)["files"], kMostFiles);
   }
-  EXPECT_TRUE(publisher->Reaches({{"known", kAll + 1}, {"peers", kAll}}, end - std::chrono::steady_clock::now()));
+  EXPECT_TRUE(publisher->Reaches({{"known", kAll + 1}, {"peers", kAll}})) << *publisher;
   constexpr std::uint64_t kOfAPartner = 4;  // At most: docs/shared-memory.md.
   EXPECT_LE((*publisher)["files"], kMostFiles + kOfAPartner * kAll) << *publisher;
   EXPECT_GT((*publisher)["files"], kAll) << "it counts them";

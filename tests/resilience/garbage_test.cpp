@@ -15,6 +15,7 @@
 
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -24,7 +25,7 @@ using test::Await;
 /// Random bytes, the same for the same seed; the seed is printed.
 class Noise {
  public:
-  Noise() : seed_(std::random_device{}()), random_(seed_) { std::cout << "seed " << seed_ << std::endl; }
+  Noise() : random_(test::Seed()) {}
   std::string operator()(std::size_t most_bytes) {
     std::string bytes(Number(most_bytes), '\0');
     for (char& byte : bytes) byte = static_cast<char>(random_());
@@ -34,7 +35,6 @@ class Noise {
   std::size_t Number(std::size_t most) { return std::uniform_int_distribution<std::size_t>(0, most)(random_); }
 
  private:
-  std::uint32_t seed_;
   std::mt19937 random_;
 };
 

@@ -17,6 +17,7 @@
 #include "resilience/shm_numbers.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -101,9 +102,7 @@ class ShmProcesses : public testing::Test {
 
 TEST_F(ShmProcesses, KilledProcessesTakeNothingFromOthers) {
   const std::uint64_t rounds = Setting("HGROS_SHM_KILLS", 100);
-  const auto seed = static_cast<unsigned>(Setting("HGROS_SEED", std::random_device()()));
-  SCOPED_TRACE("HGROS_SEED=" + std::to_string(seed));
-  std::minstd_rand random(seed);
+  std::minstd_rand random(test::Seed());
   {
     WorkerProcess survivor({place, "work"});
     ASSERT_TRUE(survivor.Reaches({{"received", 100}, {"published", 100}})) << survivor;

@@ -73,10 +73,8 @@ TEST_F(Services, FailWithoutAServerOnceDiscoveryIsComplete) {
   Robot robot("");
   const auto first = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
   EXPECT_EQ(first.failure().kind, Kind::kNoServer);
-  const auto begin = std::chrono::steady_clock::now();
   const auto second = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
   EXPECT_EQ(second.failure().kind, Kind::kNoServer);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, test::kPatience);
 }
 
 TEST_F(Services, WaitForTheTimeoutIfAnEndpointMayLeadToAServer) {

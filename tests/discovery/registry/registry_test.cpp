@@ -15,6 +15,7 @@
 
 #include "discovery/listening.hpp"
 #include "hgros/base/error.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -289,9 +290,7 @@ TEST_F(Registry, RescansTheFolderAfterTheEventQueueOverflowed) {
 }
 
 TEST_F(Registry, AgreesWithAModelUnderRandomChanges) {
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const Participant observer(options);
   std::vector<std::unique_ptr<Participant>> all(8);
   for (int step = 0; step < 300; ++step) {

@@ -5,6 +5,8 @@
 #include <deque>
 #include <random>
 
+#include "support/seed.hpp"
+
 namespace hgros {
 namespace {
 
@@ -86,9 +88,7 @@ TEST(MessageRing, PopsBlocksInOrder) {
 }
 
 TEST(MessageRing, BehavesAsANaiveModelUnderRandomOperations) {
-  const std::uint64_t seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(test::Seed());
   for (int round = 0; round < 200; ++round) {
     const bool lossless = random() % 2 == 0;
     const std::size_t depth = 1 + random() % 20;

@@ -20,6 +20,7 @@
 #include "hgros/launch/robot_folder.hpp"
 #include "hgros/params/remote_params.hpp"
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -418,10 +419,7 @@ void MoveWith(MovingRobot& robot, const std::string& from, const std::string& to
 TEST(HgrosMove, WhoeverIsKilledOrStoppedOnePlaceRunsIt) {
   constexpr int kRoundsOfARobot = 5;  // A process that is killed more often is not started again.
   const char* wanted = std::getenv("HGROS_MOVE_ROUNDS");
-  const char* chosen = std::getenv("HGROS_MOVE_SEED");
-  const unsigned seed = chosen == nullptr ? std::random_device()() : static_cast<unsigned>(std::stoul(chosen));
-  SCOPED_TRACE("HGROS_MOVE_SEED=" + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const std::vector<std::string> processes{"a", "b", "c"};
   int left = wanted == nullptr ? kRoundsOfARobot : std::stoi(wanted);
   while (left > 0 && !testing::Test::HasFailure()) {

