@@ -4,24 +4,93 @@ include(CheckLinkerFlag)
 check_linker_flag(CXX -fuse-ld=gold HGROS_GOLD_LINKS)
 # Programs of another processor are emulated, which takes several times as long.
 set(HGROS_EMULATED ${CMAKE_CROSSCOMPILING})
-# For tests that are no suite of hgros_test.
-set(HGROS_TEST_SECONDS 60)
-if(HGROS_EMULATED)
-  set(HGROS_TEST_SECONDS 300)
+# How long a test may take, in seconds: three times as long as anything that it waits for (kPatience in
+# tests/support/await.hpp). Those of suites, below, take this too.
+set(HGROS_TEST_SECONDS 180)
+if(HGROS_SANITIZE)
+  set(HGROS_TEST_SECONDS 360)
+elseif(HGROS_EMULATED)
+  set(HGROS_TEST_SECONDS 600)
 endif()
 
-# hgros_test(NAME name SOURCES ... LINK targets... [ALONE sources...] [TIMEOUT seconds] [PROPERTIES ctest properties...])
-# One GoogleTest suite: an executable <name>, and one ctest entry per TEST. Links static modules (hgros::base ...) or
+# Every test has the label of its suite, a folder in tests/, and one that says what its result depends on:
+#   pure    nothing: one process, no thread that it waits for, no clock. It never runs again: a failure is a fault.
+#   timed   threads or time
+#   system  other processes, network namespaces, compilers, a display
+# Tests that need minutes, or try what others try with more participants, have the label `deep` as well: `./dev check`.
+#
+# hgros_suite_label(variable): the label of the suite in whose folder this is called.
+function(hgros_suite_label variable)
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/tests OUTPUT_VARIABLE folder)
+  string(REGEX REPLACE "/.*" "" folder "${folder}")
+  set(${variable} ${folder} PARENT_SCOPE)
+endfunction()
+
+# One ctest entry per TEST that a GoogleTest filter names, with these labels. The names are known when ctest starts, and
+# gtest_discover_tests takes no list of labels, so a script sets them then.
+function(hgros_discover_some TARGET PART FILTER LABELS)
+  set(list ${TARGET}_${PART})
+  gtest_discover_tests(${TARGET} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_LIST ${list}
+    TEST_FILTER "${FILTER}" PROPERTIES TIMEOUT ${HGROS_TEST_SECONDS} ${ARGN})
+  set(script ${CMAKE_CURRENT_BINARY_DIR}/${list}_labels.cmake)
+  file(CONFIGURE OUTPUT ${script} @ONLY
+    CONTENT "if(@list@)\n  set_tests_properties(\${@list@} PROPERTIES LABELS \"@LABELS@\")\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
+endfunction()
+
+# hgros_discover(target label [TIMED|SYSTEM|DEEP|SERIAL|NETWORK filter...] [PROPERTIES ctest properties...])
+# One ctest entry per TEST of a GoogleTest program, with the label. GoogleTest filters name those that are timed, system or
+# deep instead, that run while no other test runs (SERIAL), or one after the other because they make network namespaces
+# (NETWORK). A test may be in one of these lists. The targets tests_<label> and tests_<suite> build the program.
+set(HGROS_TEST_LISTS TIMED SYSTEM DEEP SERIAL NETWORK)
+function(hgros_discover TARGET LABEL)
+  cmake_parse_arguments(ARG "" "" "${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
+  hgros_suite_label(suite)
+  set(labels_TIMED timed)
+  set(labels_SYSTEM system)
+  set(labels_DEEP ${LABEL} deep)
+  set(labels_SERIAL ${LABEL})
+  set(labels_NETWORK system)
+  set(properties_SERIAL RUN_SERIAL TRUE)
+  set(properties_NETWORK RESOURCE_LOCK namespaces)
+  set(others)
+  foreach(part IN LISTS HGROS_TEST_LISTS)
+    if(ARG_${part})
+      list(APPEND others ${ARG_${part}})
+      list(JOIN ARG_${part} ":" filter)
+      hgros_discover_some(${TARGET} ${part} "${filter}" "${labels_${part}};${suite}" ${properties_${part}} ${ARG_PROPERTIES})
+    endif()
+  endforeach()
+  list(JOIN others ":" filter)
+  hgros_discover_some(${TARGET} REST "*-${filter}" "${LABEL};${suite}" ${ARG_PROPERTIES})
+  foreach(group IN ITEMS ${LABEL} ${suite})
+    if(NOT TARGET tests_${group})
+      add_custom_target(tests_${group})
+    endif()
+    add_dependencies(tests_${group} ${TARGET})
+  endforeach()
+endfunction()
+
+# hgros_label_tests(label...): more labels for all tests that this folder has added with add_test, and their time.
+function(hgros_label_tests)
+  hgros_suite_label(suite)
+  get_property(tests DIRECTORY PROPERTY TESTS)
+  foreach(test IN LISTS tests)
+    set_property(TEST ${test} APPEND PROPERTY LABELS ${ARGN} ${suite})
+    get_property(seconds TEST ${test} PROPERTY TIMEOUT)
+    if(NOT seconds)
+      set_property(TEST ${test} PROPERTY TIMEOUT ${HGROS_TEST_SECONDS})
+    endif()
+  endforeach()
+endfunction()
+
+# hgros_test(NAME name LABEL label SOURCES ... LINK targets... [ALONE sources...]
+#            [TIMED|SYSTEM|DEEP|SERIAL|NETWORK filter...] [PROPERTIES ctest properties...])
+# One GoogleTest suite: an executable <name>, and its tests (hgros_discover). Links static modules (hgros::base ...) or
 # the shared library (hgros::hgros), never both: two copies of one module in a process would register its protobuf
-# files twice. Unity builds compile the sources in ALONE separately, because their names would collide with others.
+# files twice. Groups of sources leave out those in ALONE, because their names would collide with others.
 function(hgros_test)
-  cmake_parse_arguments(ARG "" "NAME;TIMEOUT" "SOURCES;LINK;ALONE;PROPERTIES" ${ARGN})
-  if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 60)
-  endif()
-  if(HGROS_SANITIZE OR HGROS_EMULATED)
-    math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 5")
-  endif()
+  cmake_parse_arguments(ARG "" "NAME;LABEL" "SOURCES;LINK;ALONE;${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
   add_executable(${ARG_NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/alone.cpp)
   set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/include ${PROJECT_SOURCE_DIR}/tests)
@@ -40,8 +109,11 @@ function(hgros_test)
     target_link_options(${ARG_NAME} PRIVATE -no-pie)
   endif()
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LINK} hgros_warnings GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(${ARG_NAME} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${ARG_TIMEOUT} ${ARG_PROPERTIES})
+  set(filters)
+  foreach(list IN LISTS HGROS_TEST_LISTS)
+    list(APPEND filters ${list} ${ARG_${list}})
+  endforeach()
+  hgros_discover(${ARG_NAME} ${ARG_LABEL} ${filters} PROPERTIES ${ARG_PROPERTIES})
 endfunction()
 
 # hgros_test_path(source NAME="path") defines a macro for one source of a test, which is compiled by itself. The objects
