@@ -4,7 +4,7 @@ include(CheckLinkerFlag)
 check_linker_flag(CXX -fuse-ld=gold HGROS_GOLD_LINKS)
 # Programs of another processor are emulated, which takes several times as long.
 set(HGROS_EMULATED ${CMAKE_CROSSCOMPILING})
-# How long a test may take, in seconds: three times as long as anything that it waits for (kPatience in
+# How long a test may take, in seconds: at least three times as long as anything that it waits for (kPatience in
 # tests/support/await.hpp). Those of suites, below, take this too.
 set(HGROS_TEST_SECONDS 180)
 if(HGROS_SANITIZE)
@@ -26,44 +26,34 @@ function(hgros_suite_label variable)
   set(${variable} ${folder} PARENT_SCOPE)
 endfunction()
 
-# One ctest entry per TEST that a GoogleTest filter names, with these labels. The names are known when ctest starts, and
-# gtest_discover_tests takes no list of labels, so a script sets them then.
-function(hgros_discover_some TARGET PART FILTER LABELS)
-  set(list ${TARGET}_${PART})
-  gtest_discover_tests(${TARGET} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_LIST ${list}
-    TEST_FILTER "${FILTER}" PROPERTIES TIMEOUT ${HGROS_TEST_SECONDS} ${ARGN})
-  set(script ${CMAKE_CURRENT_BINARY_DIR}/${list}_labels.cmake)
-  file(CONFIGURE OUTPUT ${script} @ONLY
-    CONTENT "if(@list@)\n  set_tests_properties(\${@list@} PROPERTIES LABELS \"@LABELS@\")\nendif()\n")
-  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
-endfunction()
-
-# hgros_discover(target label [TIMED|SYSTEM|DEEP|SERIAL|NETWORK filter...] [PROPERTIES ctest properties...])
-# One ctest entry per TEST of a GoogleTest program, with the label. GoogleTest filters name those that are timed, system or
-# deep instead, that run while no other test runs (SERIAL), or one after the other because they make network namespaces
-# (NETWORK). A test may be in one of these lists. The targets tests_<label> and tests_<suite> build the program.
+# hgros_discover(target label [TIMED|SYSTEM|DEEP|SERIAL|NETWORK name...] [PROPERTIES ctest properties...])
+# One ctest entry per TEST of a GoogleTest program, with the label. The lists name tests that are timed, system or deep,
+# that run while no other test runs (SERIAL), or one after the other because they make network namespaces (NETWORK). A
+# name is that of a suite, or a regular expression for the beginning of suite.test. The targets tests_pure, tests_timed
+# and tests_<suite> build the program.
 set(HGROS_TEST_LISTS TIMED SYSTEM DEEP SERIAL NETWORK)
 function(hgros_discover TARGET LABEL)
   cmake_parse_arguments(ARG "" "" "${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
   hgros_suite_label(suite)
-  set(labels_TIMED timed)
-  set(labels_SYSTEM system)
-  set(labels_DEEP ${LABEL} deep)
-  set(labels_SERIAL ${LABEL})
-  set(labels_NETWORK system)
-  set(properties_SERIAL RUN_SERIAL TRUE)
-  set(properties_NETWORK RESOURCE_LOCK namespaces)
-  set(others)
-  foreach(part IN LISTS HGROS_TEST_LISTS)
-    if(ARG_${part})
-      list(APPEND others ${ARG_${part}})
-      list(JOIN ARG_${part} ":" filter)
-      hgros_discover_some(${TARGET} ${part} "${filter}" "${labels_${part}};${suite}" ${properties_${part}} ${ARG_PROPERTIES})
+  gtest_discover_tests(${TARGET} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_LIST ${TARGET}_names
+    PROPERTIES TIMEOUT ${HGROS_TEST_SECONDS} ${ARG_PROPERTIES})
+  foreach(list IN LISTS HGROS_TEST_LISTS)
+    list(TRANSFORM ARG_${list} REPLACE "^[^.]+$" "\\0[.]")
+    list(JOIN ARG_${list} "|" names)
+    set(${list} "^$")
+    if(names)
+      set(${list} "^(.*/)?(${names})")
     endif()
   endforeach()
-  list(JOIN others ":" filter)
-  hgros_discover_some(${TARGET} REST "*-${filter}" "${LABEL};${suite}" ${ARG_PROPERTIES})
-  foreach(group IN ITEMS ${LABEL} ${suite})
+  # The names are known when ctest starts, so a script labels them then.
+  set(script ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}_labels.cmake)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/HgrosLabels.cmake.in ${script} @ONLY)
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
+  set(groups ${LABEL} ${suite})
+  if(ARG_TIMED)
+    list(APPEND groups timed)
+  endif()
+  foreach(group IN LISTS groups)
     if(NOT TARGET tests_${group})
       add_custom_target(tests_${group})
     endif()
@@ -85,7 +75,7 @@ function(hgros_label_tests)
 endfunction()
 
 # hgros_test(NAME name LABEL label SOURCES ... LINK targets... [ALONE sources...]
-#            [TIMED|SYSTEM|DEEP|SERIAL|NETWORK filter...] [PROPERTIES ctest properties...])
+#            [TIMED|SYSTEM|DEEP|SERIAL|NETWORK name...] [PROPERTIES ctest properties...])
 # One GoogleTest suite: an executable <name>, and its tests (hgros_discover). Links static modules (hgros::base ...) or
 # the shared library (hgros::hgros), never both: two copies of one module in a process would register its protobuf
 # files twice. Groups of sources leave out those in ALONE, because their names would collide with others.

@@ -146,7 +146,7 @@ TEST(HgrosCheck, TakesNoKeyWithSpacesForASectionOfTheProgram) {
   EXPECT_THAT(files.Findings({"robot.yaml"}), IsEmpty());
 }
 
-// Comparing all names with all others would take longer than the test may.
+// Comparing all names with all others would take minutes.
 TEST(HgrosCheck, EndsSoonForLongListsThatHaveNothingInCommon) {
   constexpr std::size_t kMany = 2000;
   const auto list = [](char letter) {

@@ -19,7 +19,10 @@ MOST_REPEATED = 8
 REPEATS = 2
 LOAD_MAY_CAUSE = ("Failed", "Timeout")  # Of ctest's reasons. The others are signals and programs that are missing.
 FAILED_TEST = re.compile(r"^\t *\d+ - (.+) \(([^()]+)\)$", re.M)
-REPORT = re.compile(r"(ERROR|WARNING): \w+Sanitizer|SUMMARY: \w+Sanitizer|runtime error:")
+COUNT = re.compile(r"^\d+% tests passed, (\d+) tests? failed out of \d+$", re.M)
+# Of a sanitizer, or what a process says when it dies by itself.
+REPORT = re.compile(r"(ERROR|WARNING): \w+Sanitizer|SUMMARY: \w+Sanitizer|runtime error:|terminate called|"
+                    r"Assertion .* failed|Segmentation fault|core dumped|stack smashing detected|double free")
 SEED = re.compile(r"\bseed\b\D{0,4}(\d+)", re.I)
 
 
@@ -71,13 +74,15 @@ class Build:
         self.report.unlink(missing_ok=True)
         lines = []
         command = ["ctest", "--test-dir", self.folder, "--output-on-failure", "--no-tests=error",
-                   "--output-junit", self.report]
+                   "--output-junit", self.report, "--test-output-size-failed", str(100 << 20)]
         with subprocess.Popen(command + arguments, stdout=subprocess.PIPE, text=True, errors="replace") as ctest:
             for line in ctest.stdout:
                 print(line, end="", flush=True)
                 lines.append(line)
         summary = "".join(lines).rpartition("\nThe following tests FAILED:\n")[2] if ctest.returncode else ""
         reasons = dict(FAILED_TEST.findall(summary))
+        if sum(int(count) for count in COUNT.findall("".join(lines))) != len(reasons):
+            reasons = {}  # Not all of the failures are known by name.
         outputs = {}
         if reasons and self.report.exists():
             for case in xml.etree.ElementTree.parse(self.report).iter("testcase"):
@@ -95,7 +100,7 @@ def why_not_repeated(name, reason, output, labels):
     if reason not in LOAD_MAY_CAUSE:
         return f"{name} ended with: {reason}"
     if REPORT.search(output):
-        return f"A sanitizer reported a fault in {name}"
+        return f"A process of {name} reported a fault"
     if "pure" in labels.get(name, ()):
         return f"{name} depends on no thread, process or clock"
     return None
@@ -110,33 +115,40 @@ def run(folder, jobs, arguments, strict):
         print(f"{len(failed)} tests failed, more than {MOST_REPEATED}: none runs again.")
         return code
     labels = build.labels()
+    for name, first in failed.items():
+        if reason := why_not_repeated(name, *first, labels):
+            print(f"{reason}: no test runs again.")
+            return code
     unstable = []
     for name, first in failed.items():
-        last = first
-        for repeat in range(1, REPEATS + 1):
-            reason = why_not_repeated(name, *last, labels)
-            if reason:
-                print(f"{reason}: it does not run again.")
-                return code
-            print(f"\n{name} failed. It runs again, alone, {repeat} of {REPEATS}, when the machine is calm.", flush=True)
-            wait_until_calm()
-            code_alone, failed_alone = build.run(["-R", f"^{re.escape(name)}$"])
-            if code_alone == 0:
-                break
-            if name not in failed_alone:
-                return code
-            last = failed_alone[name]
-        else:
-            print(f"{name} failed {REPEATS + 1} times.")
-            return code
+        if not passes_alone(build, name, labels):
+            break
         unstable.append(f"UNSTABLE {name}, {seed_of(first[1])}, {first_failing_line(*first)}")
+    else:
+        code = 0
     print()
     print("\n".join(unstable))
-    return 0
+    return code
+
+
+def passes_alone(build, name, labels):
+    for repeat in range(1, REPEATS + 1):
+        print(f"\n{name} failed. It runs again, alone, {repeat} of {REPEATS}, when the machine is calm.", flush=True)
+        wait_until_calm()
+        code, failed = build.run(["-R", f"^{re.escape(name)}$"])
+        if code == 0:
+            return True
+        reason = why_not_repeated(name, *failed[name], labels) if name in failed else f"{name} could not run again"
+        if reason:
+            print(f"{reason}: it does not run again.")
+            return False
+    print(f"{name} failed {REPEATS + 1} times.")
+    return False
 
 
 def main(arguments):
-    strict = "--strict" in arguments
+    # ctest's own repetition says what counts.
+    strict = "--strict" in arguments or any(argument.startswith("--repeat") for argument in arguments)
     folder, jobs, *rest = [argument for argument in arguments if argument != "--strict"]
     return run(folder, jobs, rest, strict)
 

@@ -94,6 +94,31 @@ class RunTestsTest(unittest.TestCase):
                 self.add(name, failures=1, output=line)
                 self.assert_fails_at_once(name, "-R", name)
 
+    def test_the_end_of_another_process_by_a_fault_does_not_repeat(self):
+        self.add("child", failures=1, output="terminate called after throwing an instance of 'std::bad_alloc'")
+        self.assert_fails_at_once("child")
+
+    def test_a_report_behind_much_output_does_not_repeat(self):
+        self.add("long", failures=1, output="line\n" * 200_000 + "WARNING: ThreadSanitizer: data race\n")
+        self.assert_fails_at_once("long")
+
+    def test_a_fault_beside_a_test_that_load_may_fail_fails_at_once(self):
+        self.add("load", failures=1)
+        self.add("signal", failures=1, end="kill -SEGV $$")
+        self.assert_fails_at_once("load")
+
+    def test_repetitions_of_ctest_itself_are_all(self):
+        self.add("load", failures=1)
+        self.run_all("--repeat", "until-fail:3")
+        self.assertNotEqual(self.code, 0)
+        self.assertEqual(self.runs("load"), 1)
+
+    def test_unstable_tests_are_named_if_another_one_fails(self):
+        self.add("aload", failures=1)
+        self.add("wrong", failures=3)
+        self.assertIn("UNSTABLE aload, seed 42,", self.run_all())
+        self.assertNotEqual(self.code, 0)
+
     def test_a_crash_of_leak_sanitizer_itself_repeats(self):
         self.add("tracer", failures=1, output="Tracer caught signal 11: addr=0x1\n==1==LeakSanitizer has encountered a fatal error.")
         self.assertIn("UNSTABLE tracer, no seed, ==1==LeakSanitizer has encountered a fatal error.", self.run_all())

@@ -75,6 +75,7 @@ TEST_F(Services, FailWithoutAServerOnceDiscoveryIsComplete) {
   EXPECT_EQ(first.failure().kind, Kind::kNoServer);
   const auto second = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait();
   EXPECT_EQ(second.failure().kind, Kind::kNoServer);
+  EXPECT_EQ(second.failure().reason, "Nobody serves \"add\": discovery knows no session that does.");
 }
 
 TEST_F(Services, WaitForTheTimeoutIfAnEndpointMayLeadToAServer) {
