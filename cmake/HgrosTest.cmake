@@ -1,4 +1,3 @@
-include(GoogleTest)
 include(CheckLinkerFlag)
 # Part of GNU binutils until 2.43; links a test in less than half of the time that GNU ld takes.
 check_linker_flag(CXX -fuse-ld=gold HGROS_GOLD_LINKS)
@@ -17,7 +16,8 @@ endif()
 #   pure    nothing: one process, no thread that it waits for, no clock. It never runs again: a failure is a fault.
 #   timed   threads or time
 #   system  other processes, network namespaces, compilers, a display
-# Tests that need minutes, or try what others try with more participants, have the label `deep` as well: `./dev check`.
+# Tests that take ten seconds or more, flood, or try what others try with more participants, have the label `deep` as
+# well: `./dev check`.
 #
 # hgros_suite_label(variable): the label of the suite in whose folder this is called.
 function(hgros_suite_label variable)
@@ -27,17 +27,17 @@ function(hgros_suite_label variable)
 endfunction()
 
 # hgros_discover(target label [TIMED|SYSTEM|DEEP|SERIAL|NETWORK name...] [PROPERTIES ctest properties...])
-# One ctest entry per TEST of a GoogleTest program, with the label. The lists name tests that are timed, system or deep,
-# that run while no other test runs (SERIAL), or one after the other because they make network namespaces (NETWORK). A
-# name is that of a suite, or a regular expression for the beginning of suite.test. The targets tests_pure, tests_timed
-# and tests_<suite> build the program.
+# Entries of ctest for the tests of a GoogleTest program, with the label: one for each suite, since starting a process
+# takes longer than most tests, or one for each test if the program is labelled system. The lists name tests that are
+# timed, system or deep, that run while no other test runs (SERIAL), or one after the other because they make network
+# namespaces (NETWORK). A name is that of a suite, or a regular expression for the beginning of suite.test; a test that is
+# deep, SERIAL or NETWORK has its own entry. The targets tests_pure, tests_timed and tests_<suite> build the program.
 set(HGROS_TEST_LISTS TIMED SYSTEM DEEP SERIAL NETWORK)
 function(hgros_discover TARGET LABEL)
   cmake_parse_arguments(ARG "" "" "${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
   hgros_suite_label(suite)
-  gtest_discover_tests(${TARGET} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_LIST ${TARGET}_names
-    PROPERTIES TIMEOUT ${HGROS_TEST_SECONDS} ${ARG_PROPERTIES})
-  foreach(list IN LISTS HGROS_TEST_LISTS)
+  set(ARG_ALONE ${ARG_DEEP} ${ARG_SERIAL} ${ARG_NETWORK})
+  foreach(list IN LISTS HGROS_TEST_LISTS ITEMS ALONE)
     list(TRANSFORM ARG_${list} REPLACE "^[^.]+$" "\\0[.]")
     list(JOIN ARG_${list} "|" names)
     set(${list} "^$")
@@ -45,9 +45,16 @@ function(hgros_discover TARGET LABEL)
       set(${list} "^(.*/)?(${names})")
     endif()
   endforeach()
-  # The names are known when ctest starts, so a script labels them then.
-  set(script ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}_labels.cmake)
-  configure_file(${PROJECT_SOURCE_DIR}/cmake/HgrosLabels.cmake.in ${script} @ONLY)
+  list(JOIN ARG_PROPERTIES " " properties)
+  set(excluded "^$")
+  if(HGROS_EMULATED)
+    file(STRINGS ${PROJECT_SOURCE_DIR}/tests/arm64/excluded.txt excluded REGEX "^[^#]")
+    list(TRANSFORM excluded REPLACE "  # .*" "")
+    list(JOIN excluded "|" excluded)
+  endif()
+  # The names are known when ctest starts, so a script adds them then.
+  set(script ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}_tests.cmake)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/HgrosTests.cmake.in ${script} @ONLY)
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
   set(groups ${LABEL} ${suite})
   if(ARG_TIMED)
@@ -74,15 +81,16 @@ function(hgros_label_tests)
   endforeach()
 endfunction()
 
-# hgros_test(NAME name LABEL label SOURCES ... LINK targets... [ALONE sources...]
+# hgros_test(NAME name LABEL label SOURCES ... LINK targets... [PATHS name=path...]
 #            [TIMED|SYSTEM|DEEP|SERIAL|NETWORK name...] [PROPERTIES ctest properties...])
 # One GoogleTest suite: an executable <name>, and its tests (hgros_discover). Links static modules (hgros::base ...) or
 # the shared library (hgros::hgros), never both: two copies of one module in a process would register its protobuf
-# files twice. Groups of sources leave out those in ALONE, because their names would collide with others.
+# files twice. The test gets a path by test::Path(name) of tests/support/path.hpp. Paths are in a source of their own, so
+# that the other objects are the same in each checkout and ccache has them. Sources are compiled in groups: a name that
+# another source of the program uses too needs a namespace, that of the file.
 function(hgros_test)
-  cmake_parse_arguments(ARG "" "NAME;LABEL" "SOURCES;LINK;ALONE;${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;LABEL" "SOURCES;LINK;PATHS;${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
   add_executable(${ARG_NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/alone.cpp)
-  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/include ${PROJECT_SOURCE_DIR}/tests)
     # Compiling a test takes longer than running it. ThreadSanitizer has little to gain.
   if(NOT HGROS_SANITIZE STREQUAL "thread")
@@ -99,15 +107,26 @@ function(hgros_test)
     target_link_options(${ARG_NAME} PRIVATE -no-pie)
   endif()
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LINK} hgros_warnings GTest::gmock GTest::gtest_main)
+  if(ARG_PATHS)
+    list(TRANSFORM ARG_PATHS REPLACE "^([^=]+)=(.*)$" "    {\"\\1\", R\"path(\\2)path\"},\n")
+    list(JOIN ARG_PATHS "" paths)
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${ARG_NAME}_paths.cpp)
+    file(GENERATE OUTPUT ${source} CONTENT "#include \"support/path.hpp\"
+
+#include <map>
+
+std::string hgros::test::Path(const std::string& name) {
+  static const std::map<std::string, std::string> paths{
+${paths}  };
+  return paths.at(name);
+}
+")
+    target_sources(${ARG_NAME} PRIVATE ${source})
+    set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
   set(filters)
   foreach(list IN LISTS HGROS_TEST_LISTS)
     list(APPEND filters ${list} ${ARG_${list}})
   endforeach()
   hgros_discover(${ARG_NAME} ${ARG_LABEL} ${filters} PROPERTIES ${ARG_PROPERTIES})
-endfunction()
-
-# hgros_test_path(source NAME="path") defines a macro for one source of a test, which is compiled by itself. The objects
-# of the other sources are then the same in every folder, so ccache has them for each checkout.
-function(hgros_test_path SOURCE DEFINITION)
-  set_source_files_properties(${SOURCE} PROPERTIES COMPILE_DEFINITIONS ${DEFINITION} SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -4,7 +4,8 @@
 # source with SKIP_UNITY_BUILD_INCLUSION or with compiler settings of its own.
 #
 # The groups are written here, not by CMake's own unity build, which includes each source by its absolute path: a group
-# would then differ between two checkouts, and ccache could not share its object.
+# would then differ between two checkouts, and ccache could not share its object. They include it by its path in the
+# repository, which is also what the compiler and failed tests print.
 set(HGROS_UNITY 64 CACHE STRING "How many sources are compiled as one; 0 or 1: each is compiled alone")
 set(HGROS_EDITED "" CACHE STRING "Sources that are compiled alone, as absolute paths")
 
@@ -47,7 +48,7 @@ function(hgros_group_sources directory)
         list(APPEND groups ${group_file})
         set(text_${group})
       endif()
-      cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${binary_directory}/${target}.group OUTPUT_VARIABLE relative)
+      cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE relative)
       string(APPEND text_${group} "#include \"${relative}\"\n")
       list(APPEND grouped ${path})
     endforeach()
@@ -56,6 +57,7 @@ function(hgros_group_sources directory)
       file(CONFIGURE OUTPUT ${group_file} CONTENT "${text_${group}}" @ONLY)
     endforeach()
     target_sources(${target} PRIVATE ${groups})
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   endforeach()
   set_source_files_properties(${grouped} DIRECTORY ${directory} PROPERTIES HEADER_FILE_ONLY ON)
   get_property(subdirectories DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace hgros {
+namespace hgros::memory_room_test {
 namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
@@ -114,4 +114,4 @@ TEST(MemoryRoom, WhatIsWrittenToIsResident) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::memory_room_test

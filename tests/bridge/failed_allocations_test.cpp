@@ -21,7 +21,7 @@
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
 
-namespace hgros {
+namespace hgros::failed_allocations_test {
 namespace {
 
 using test::FewAllocations;
@@ -217,4 +217,4 @@ TEST(FailedAllocations, OfSnapshotsEndNothing) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::failed_allocations_test

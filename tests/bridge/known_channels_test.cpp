@@ -4,7 +4,7 @@
 
 #include "session/observed_fixture.hpp"
 
-namespace hgros {
+namespace hgros::known_channels_test {
 namespace {
 
 using foxglove::Vector3;
@@ -133,4 +133,4 @@ TEST(KnownChannelsAlone, AreTheSessionsOwnChannels) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::known_channels_test

@@ -4,7 +4,7 @@
 #include "session/domain_fixture.hpp"
 #include "support/cable.hpp"
 
-namespace hgros {
+namespace hgros::lan_discovery_test {
 namespace {
 
 using test::Await;
@@ -135,4 +135,4 @@ TEST_F(LanDiscovery, EndpointCanBeAddedAndRemovedWhileTheBeaconHearsIt) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::lan_discovery_test

@@ -11,7 +11,7 @@
 
 #include "session/domain_fixture.hpp"
 
-namespace hgros {
+namespace hgros::local_discovery_test {
 namespace {
 
 using test::Await;
@@ -359,4 +359,4 @@ TEST_F(LocalDiscovery, MessagesArriveWhenSharedMemoryIsUsedUp) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::local_discovery_test

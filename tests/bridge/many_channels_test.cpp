@@ -9,7 +9,7 @@
 #include "session/domain_fixture.hpp"
 #include "transport/agreement.hpp"
 
-namespace hgros {
+namespace hgros::many_channels_test {
 namespace {
 
 using test::Await;
@@ -122,4 +122,4 @@ TEST_F(ManyChannels, LogSaysWhichChannelIsBeyondTheLimitOfZeroMq) {
 #endif
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::many_channels_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hgros {
+namespace hgros::peer_transports_test {
 namespace {
 
 constexpr TransportIndex kShm = 0;
@@ -273,4 +273,4 @@ TEST_F(ThreeTransportsToOne, AnotherMoveBeginsWhenTheNewTransportIsLost) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::peer_transports_test

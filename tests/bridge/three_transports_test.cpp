@@ -13,7 +13,7 @@
 #include "session/domain_fixture.hpp"
 #include "support/gated_transport.hpp"
 
-namespace hgros {
+namespace hgros::three_transports_test {
 namespace {
 
 using test::Await;
@@ -249,4 +249,4 @@ TEST_F(ThreeTransports, RuleKeepsAChannelOnTheOtherTransports) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::three_transports_test

@@ -1,7 +1,7 @@
 // Channels whose configuration names the transports that they may use.
 #include "session/domain_fixture.hpp"
 
-namespace hgros {
+namespace hgros::transport_rules_test {
 namespace {
 
 using test::Await;
@@ -124,4 +124,4 @@ TEST_F(RulesOfTransports, WhiteListAppliesOnlyToItsEndpoint) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::transport_rules_test

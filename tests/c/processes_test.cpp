@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "c/c_fixture.hpp"
+#include "support/path.hpp"
 
 namespace hgros {
 namespace {
@@ -29,11 +30,11 @@ class Peer {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
     posix_spawn_file_actions_addclose(&actions, ends[0]);
-    arguments.insert(arguments.begin(), HGROS_C_PEER);
+    arguments.insert(arguments.begin(), test::Path("peer"));
     std::vector<char*> texts;
     for (std::string& one : arguments) texts.push_back(one.data());
     texts.push_back(nullptr);
-    EXPECT_EQ(posix_spawn(&pid_, HGROS_C_PEER, &actions, nullptr, texts.data(), environ), 0);
+    EXPECT_EQ(posix_spawn(&pid_, texts.front(), &actions, nullptr, texts.data(), environ), 0);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     output_ = fdopen(ends[0], "r");

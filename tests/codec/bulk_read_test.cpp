@@ -16,7 +16,7 @@
 #include "hgros/internal/codec/bulk_body.hpp"
 #include "support/seed.hpp"
 
-namespace hgros {
+namespace hgros::bulk_read_test {
 namespace {
 
 using google::protobuf::Message;
@@ -204,4 +204,4 @@ TEST(ReadBulk, AgreesWithProtobufOnRandomChanges) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::bulk_read_test

@@ -16,7 +16,7 @@
 #include "foxglove/VoxelGrid.pb.h"
 #include "hgros/codec/message.hpp"
 
-namespace hgros {
+namespace hgros::bulk_test {
 namespace {
 
 using foxglove::PointCloud;
@@ -251,4 +251,4 @@ TEST(Bulk, CountsItsBytesAsMemory) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::bulk_test

@@ -13,7 +13,7 @@
 #include "foxglove/PointCloud.pb.h"
 #include "hgros/codec/message.hpp"
 
-namespace hgros {
+namespace hgros::dynamic_schema_test {
 namespace {
 
 using google::protobuf::FieldDescriptor;
@@ -192,4 +192,4 @@ TEST(DynamicSchema, ReadsRecursiveTypesAsDeepAsProtobufAllows) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::dynamic_schema_test

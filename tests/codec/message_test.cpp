@@ -118,7 +118,7 @@ struct hgros::CustomCodec<hgros_test::Arrow> {
   }
 };
 
-namespace hgros {
+namespace hgros::message_test {
 namespace {
 
 using namespace hgros_test;
@@ -219,4 +219,4 @@ TEST(SelfSerialization, IsNamedByTheTypeOrItsCppName) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::message_test

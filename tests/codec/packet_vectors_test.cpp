@@ -17,6 +17,7 @@
 #include "hgros/base/message_key.hpp"
 #include "hgros/codec/message.hpp"
 #include "hgros/internal/codec/packet.hpp"
+#include "support/path.hpp"
 
 // Runs every file of vectors/; docs/wire-protocol.md ("Test vectors") describes their form.
 namespace hgros {
@@ -143,7 +144,7 @@ std::map<std::string, std::string> Read(const Vector& vector) {
 
 TEST(PacketVectors, MatchTheirExpectedResults) {
   std::vector<std::filesystem::path> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(HGROS_TEST_VECTORS)) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::Path("vectors"))) {
     if (entry.path().extension() == ".hex") paths.push_back(entry.path());
   }
   std::ranges::sort(paths);
@@ -170,7 +171,7 @@ TEST(PacketVectors, MatchTheirExpectedResults) {
 }
 
 TEST(PacketVectors, FullHeadEqualsWhatTheLibraryWrites) {
-  const Vector vector = Load(std::filesystem::path(HGROS_TEST_VECTORS) / "good_full.hex");
+  const Vector vector = Load(std::filesystem::path(test::Path("vectors")) / "good_full.hex");
   PacketHead head;
   ASSERT_EQ(DecodeHeadFrame(AsBytes(vector.frames.at("head")), head), PacketFault::kNone);
   std::string frame;

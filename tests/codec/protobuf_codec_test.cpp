@@ -10,7 +10,7 @@
 #include "hgros/Imu.pb.h"
 #include "hgros/codec/message.hpp"
 
-namespace hgros {
+namespace hgros::protobuf_codec_test {
 namespace {
 
 std::shared_ptr<const foxglove::PointCloud> Cloud() {
@@ -72,4 +72,4 @@ TEST(ProtobufCodec, HasNameAndSchema) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::protobuf_codec_test

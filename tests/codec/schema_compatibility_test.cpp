@@ -13,7 +13,7 @@
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/codec/schema.hpp"
 
-namespace hgros {
+namespace hgros::schema_compatibility_test {
 namespace {
 
 using google::protobuf::DescriptorPool;
@@ -228,4 +228,4 @@ TEST(SchemaCompatibility, SurvivesRandomDamageWithoutLogging) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::schema_compatibility_test

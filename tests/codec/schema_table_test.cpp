@@ -11,6 +11,7 @@
 #include "foxglove/CompressedVideo.pb.h"
 #include "foxglove/JointStates.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
+#include "support/path.hpp"
 
 namespace hgros {
 namespace {
@@ -21,7 +22,7 @@ using google::protobuf::EnumDescriptor;
 using google::protobuf::FieldDescriptor;
 
 std::set<std::string> TableLines() {
-  std::ifstream file(HGROS_SCHEMA_TABLE);
+  std::ifstream file(test::Path("schema_table"));
   std::set<std::string> lines;
   for (std::string line; std::getline(file, line);) {
     if (!line.empty() && line[0] != '#') lines.insert(line);

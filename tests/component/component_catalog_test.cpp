@@ -9,6 +9,7 @@
 #include <string>
 
 #include "hgros/base/error.hpp"
+#include "support/path.hpp"
 
 namespace hgros::test {
 namespace {
@@ -104,7 +105,7 @@ TEST_F(ComponentCatalogTest, IgnoresWhatIsNoFile) {
 }
 
 TEST_F(ComponentCatalogTest, LoadsALibraryAndSaysIfItIsAnother) {
-  Write("first/good.yaml", "library: " COMPONENT_LIBRARY "\ncomponents: [library/Source, library/Gone]\n");
+  Write("first/good.yaml", "library: " + test::Path("library") + "\ncomponents: [library/Source, library/Gone]\n");
   Write("first/missing.yaml", "library: libmissing.so\ncomponents: [words/Source]\n");
   const ComponentCatalog catalog = Catalog();
   EXPECT_EQ(catalog.Load("library/Source").name, "library/Source");

@@ -6,6 +6,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/component/component.hpp"
 #include "hgros/component/components.hpp"
+#include "support/path.hpp"
 
 namespace hgros::test {
 namespace {
@@ -16,14 +17,14 @@ using testing::IsSupersetOf;
 using testing::ThrowsMessage;
 
 TEST(ComponentTypes, ComeFromALibrary) {
-  EXPECT_THAT(LoadComponents(COMPONENT_LIBRARY), IsSupersetOf({"library/Sink", "library/Source"}));
+  EXPECT_THAT(LoadComponents(test::Path("library")), IsSupersetOf({"library/Sink", "library/Source"}));
   EXPECT_THAT(ComponentTypeNames(), IsSupersetOf({"library/Sink", "library/Source"}));
   EXPECT_EQ(FindComponentType("library/Source").name, "library/Source");
-  EXPECT_NO_THROW(LoadComponents(COMPONENT_LIBRARY));  // Again: the same types, no error.
+  EXPECT_NO_THROW(LoadComponents(test::Path("library")));  // Again: the same types, no error.
 }
 
 TEST(ComponentTypes, OfALibraryRunInASession) {
-  (void)LoadComponents(COMPONENT_LIBRARY);
+  (void)LoadComponents(test::Path("library"));
   Session session(Config::Parse("discovery: {domain: none}"));
   Components components(session);
   const ComponentDescription& source = components.Add({.name = "source", .type = "library/Source"});
@@ -36,21 +37,21 @@ TEST(ComponentTypes, OfALibraryRunInASession) {
 }
 
 TEST(ComponentTypes, NameTheNearestOfAnUnknownOne) {
-  (void)LoadComponents(COMPONENT_LIBRARY);
+  (void)LoadComponents(test::Path("library"));
   EXPECT_THAT([] { (void)FindComponentType("library/Sourc"); },
               ThrowsMessage<Error>(AllOf(HasSubstr("no component type \"library/Sourc\""),
                                          HasSubstr("Did you mean \"library/Source\"?"))));
 }
 
 TEST(ComponentTypes, OfOneNameAreRefusedAndBothPlacesNamed) {
-  (void)LoadComponents(COMPONENT_LIBRARY);
+  (void)LoadComponents(test::Path("library"));
   EXPECT_THAT([] { (void)FindComponentType("library/Twice"); },
               ThrowsMessage<Error>(AllOf(HasSubstr("Two component types are named \"library/Twice\""),
                                          HasSubstr("component_test_library"))));
 }
 
 TEST(ComponentTypes, RefuseANameThatCannotBeUsed) {
-  (void)LoadComponents(COMPONENT_LIBRARY);
+  (void)LoadComponents(test::Path("library"));
   EXPECT_THAT([] { (void)FindComponentType("library/bad name"); },
               ThrowsMessage<Error>(HasSubstr("cannot be the name of a component type")));
 }
@@ -61,7 +62,8 @@ TEST(ComponentTypes, RefuseALibraryThatIsMissingBrokenOrWithoutAComponent) {
   const std::string broken = testing::TempDir() + "/libbroken.so";
   std::ofstream(broken) << "This is no library.";
   EXPECT_THAT([&] { (void)LoadComponents(broken); }, ThrowsMessage<Error>(HasSubstr("cannot be loaded")));
-  EXPECT_THAT([] { (void)LoadComponents(EMPTY_LIBRARY); }, ThrowsMessage<Error>(HasSubstr("has no component")));
+  EXPECT_THAT([] { (void)LoadComponents(test::Path("empty_library")); },
+              ThrowsMessage<Error>(HasSubstr("has no component")));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@
 #include "session/domain_fixture.hpp"
 #include "tf/static_messages.hpp"
 
-namespace hgros::test {
+namespace hgros::test::static_edges_move_test {
 namespace {
 
 using foxglove::FrameTransforms;
@@ -138,4 +138,4 @@ TEST_F(StaticEdgesMoveTest, TheyStayIfTheMoveIsAbandoned) {
 }
 
 }  // namespace
-}  // namespace hgros::test
+}  // namespace hgros::test::static_edges_move_test

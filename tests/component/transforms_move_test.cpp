@@ -12,7 +12,7 @@
 #include "hgros/tf/transforms.hpp"
 #include "session/domain_fixture.hpp"
 
-namespace hgros::test {
+namespace hgros::test::transforms_move_test {
 namespace {
 
 using foxglove::PoseInFrame;
@@ -109,4 +109,4 @@ TEST_F(TransformsMoveTest, AComponentThatOnlySetsTransformsHearsNothing) {
 }
 
 }  // namespace
-}  // namespace hgros::test
+}  // namespace hgros::test::transforms_move_test

@@ -3,11 +3,13 @@
 #include <filesystem>
 #include <string_view>
 
+#include "support/path.hpp"
+
 namespace hgros::test {
 
 /// A file in tests/config/yaml.
 inline std::filesystem::path FixtureFile(std::string_view name) {
-  return std::filesystem::path(HGROS_CONFIG_FIXTURES) / name;
+  return std::filesystem::path(Path("fixtures")) / name;
 }
 
 }  // namespace hgros::test

@@ -4,7 +4,7 @@
 #include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
 
-namespace hgros::conformance {
+namespace hgros::conformance::transport_resilience_test {
 namespace {
 
 using Role = Session::Role;
@@ -280,4 +280,4 @@ TEST_P(TransportConformance, AClosedTransportHasSentCommittedMessagesAndRefusesN
 }
 
 }  // namespace
-}  // namespace hgros::conformance
+}  // namespace hgros::conformance::transport_resilience_test

@@ -9,7 +9,7 @@
 #include "hgros/transport/zmq_transport.hpp"
 #include "support/free_port.hpp"
 
-namespace hgros::conformance {
+namespace hgros::conformance::zmq_conformance_test {
 namespace {
 
 ZmqOptions Options(SessionId id) {
@@ -72,4 +72,4 @@ INSTANTIATE_TEST_SUITE_P(Zmq, TransportConformance,
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace
-}  // namespace hgros::conformance
+}  // namespace hgros::conformance::zmq_conformance_test

@@ -9,11 +9,13 @@
 #include <stdexcept>
 #include <vector>
 
+#include "support/path.hpp"
+
 namespace hgros::discovery {
 
 AnnouncingProcess::AnnouncingProcess(const std::filesystem::path& folder, const std::string& domain, int sessions,
                                      bool forks) {
-  std::vector<std::string> command{HGROS_DISCOVERY_WORKER, folder.string(), domain, std::to_string(sessions)};
+  std::vector<std::string> command{test::Path("worker"), folder.string(), domain, std::to_string(sessions)};
   if (forks) command.emplace_back("fork");
   std::vector<char*> pointers;
   for (std::string& argument : command) pointers.push_back(argument.data());

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <utility>
 
+#include "support/path.hpp"
+
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
 
 namespace hgros::cli {
@@ -130,7 +132,7 @@ std::vector<std::string> Patiently(std::vector<std::string> arguments) {
 }
 
 CommandEnd RunInShell(const std::string& script, std::map<std::string, std::string> environment) {
-  environment["HGROS"] = HGROS_COMMAND;
+  environment["HGROS"] = test::Path("hgros");
   CommandRun run({"-c", script}, environment, -1, "/bin/sh");
   const int status = run.Wait();
   return {status, run.out(), run.err()};

@@ -11,6 +11,7 @@
 
 #include "hgros/hgros.hpp"
 #include "support/await.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 
@@ -20,7 +21,7 @@ class CommandRun {
   /// `environment`: in addition to that of the test. `output`: a descriptor for its standard output, which is then not
   /// read; negative: out() has it. `program`: another one, which runs the command.
   explicit CommandRun(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {},
-                      int output = -1, const std::string& program = HGROS_COMMAND);
+                      int output = -1, const std::string& program = test::Path("hgros"));
   CommandRun(const CommandRun&) = delete;
   CommandRun& operator=(const CommandRun&) = delete;
   ~CommandRun();

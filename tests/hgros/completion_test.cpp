@@ -11,6 +11,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/params/param_codec.hpp"
 #include "hgros/params/param_service.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -26,7 +27,7 @@ class HgrosCompletion : public testing::Test {
     const std::string script = "source <(\"$HGROS\" completion bash) || exit 1; COMP_WORDS=(\"$HGROS\" " + words +
                                "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); " + options +
                                " _hgros \"$HGROS\"; ((${#COMPREPLY[@]})) && printf \"%s\\n\" \"${COMPREPLY[@]}\"";
-    setenv("HGROS", HGROS_COMMAND, 1);
+    setenv("HGROS", test::Path("hgros").c_str(), 1);
     setenv("COMPLETION_SCRIPT", script.c_str(), 1);
     setenv("HGROS_DOMAIN", robot_.environment().at("HGROS_DOMAIN").c_str(), 1);
     FILE* bash = popen("bash -c \"$COMPLETION_SCRIPT\" 2>&1", "r");

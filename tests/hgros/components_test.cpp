@@ -9,6 +9,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
 #include "support/await.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -17,7 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::map<std::string, std::string> kInstalled{{"HGROS_COMPONENT_PATH", WORDS_MANIFESTS}};
+const std::map<std::string, std::string> kInstalled{{"HGROS_COMPONENT_PATH", test::Path("words_manifests")}};
 
 TEST(HgrosComponents, ListsInstalledOnes) {
   const CommandEnd end = RunToEnd({"components"}, kInstalled);
@@ -60,7 +61,7 @@ TEST(HgrosComponents, NamesTheNearestOfAnUnknownOne) {
 }
 
 TEST(HgrosComponents, SurvivesALibraryThatDoesNot) {
-  const CommandEnd end = RunToEnd({"components", "--library", BAD_LIBRARY});
+  const CommandEnd end = RunToEnd({"components", "--library", test::Path("bad_library")});
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.out, AllOf(HasSubstr("bad/Crashes"), HasSubstr("bad/Exits"), HasSubstr("bad/Prints"),
                              HasSubstr("bad/Throws"), Not(HasSubstr("I print"))));
@@ -78,11 +79,11 @@ TEST(HgrosComponents, SurvivesALibraryThatDoesNot) {
 }
 
 TEST(HgrosComponents, ChecksWhatALibraryHas) {
-  EXPECT_EQ(RunToEnd({"components", "--library", WORDS_LIBRARY, "--has", "words/Source"}).status, 0);
-  const CommandEnd lacks = RunToEnd({"components", "--library", WORDS_LIBRARY, "--has", "words/Sourc"});
+  EXPECT_EQ(RunToEnd({"components", "--library", test::Path("words_library"), "--has", "words/Source"}).status, 0);
+  const CommandEnd lacks = RunToEnd({"components", "--library", test::Path("words_library"), "--has", "words/Sourc"});
   EXPECT_EQ(lacks.status, 1);
   EXPECT_EQ(lacks.err, "hgros: The library has no component \"words/Sourc\". Did you mean \"words/Source\"?\n");
-  const CommandEnd bad = RunToEnd({"components", "--library", BAD_LIBRARY, "--has", "bad/Throws"});
+  const CommandEnd bad = RunToEnd({"components", "--library", test::Path("bad_library"), "--has", "bad/Throws"});
   EXPECT_EQ(bad.status, 1);
   EXPECT_THAT(bad.err, HasSubstr("Component \"bad/Throws\": there is no"));
 }

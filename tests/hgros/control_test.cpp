@@ -20,6 +20,7 @@
 #include "hgros/help_examples.hpp"
 #include "hgros/proto_folder.hpp"
 #include "hgros/transport/curve_key_pair.hpp"
+#include "support/path.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
 
@@ -206,13 +207,11 @@ TEST(HgrosControl, ItsExamplesWork) {
   }
 }
 
-#ifdef HGROS_EXAMPLE_PUBLISHER
-
 // The example publisher as a process, which handles SIGTERM.
 class ExamplePublisher {
  public:
   explicit ExamplePublisher(const std::string& domain, std::string config = {}) {
-    std::string program = HGROS_EXAMPLE_PUBLISHER;
+    std::string program = test::Path("example_publisher");
     std::string setting = "HGROS_DOMAIN=" + domain;
     std::array<char*, 3> words{program.data(), config.empty() ? nullptr : config.data(), nullptr};
     std::array<char*, 2> settings{setting.data(), nullptr};
@@ -327,20 +326,18 @@ std::string OutputOf(const std::string& line) {
 
 TEST_F(HgrosControlProcess, TakesNoOrdersFromAnotherUser) {
   const std::string as_nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
-  if (OutputOf(as_nobody + HGROS_COMMAND + " --version 2>/dev/null; echo $?").find("0\n") == std::string::npos) {
+  if (OutputOf(as_nobody + test::Path("hgros") + " --version 2>/dev/null; echo $?").find("0\n") == std::string::npos) {
     GTEST_SKIP() << "The command cannot be run as another user.";
   }
   const std::string runtime = std::getenv("XDG_RUNTIME_DIR") == nullptr ? "" : std::getenv("XDG_RUNTIME_DIR");
   for (const std::string& folder : {std::string(), "XDG_RUNTIME_DIR=" + runtime + " "}) {
     const std::string said = OutputOf("env -u XDG_RUNTIME_DIR HGROS_DOMAIN=" + domain + " " + folder + as_nobody +
-                                      HGROS_COMMAND + " control stop --session '*' 2>&1; echo status $?");
+                                      test::Path("hgros") + " control stop --session '*' 2>&1; echo status $?");
     EXPECT_THAT(said, HasSubstr("status 1")) << said;
   }
   test::Linger(std::chrono::milliseconds(300));
   EXPECT_FALSE(publisher->Status());
 }
-
-#endif
 
 }  // namespace
 }  // namespace hgros::cli

@@ -9,6 +9,7 @@
 #include "hgros/proto_folder.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "hgros/transport/curve_key_pair.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -176,7 +177,8 @@ TEST(HgrosList, SaysThatAProgramListensButDoesNotAnswer) {
 }
 
 TEST(HgrosList, EndsInTimeWhenNoNameServerAnswers) {
-  CommandRun run({"list", "--connect", "slow.example:5555", "--timeout", "0.3"}, {{"LD_PRELOAD", HGROS_SLOW_NAMES}});
+  CommandRun run({"list", "--connect", "slow.example:5555", "--timeout", "0.3"},
+                 {{"LD_PRELOAD", test::Path("slow_names")}});
   EXPECT_EQ(run.Wait(), 3);
   EXPECT_THAT(run.err(), HasSubstr("The address of slow.example is not known: no name server answers in time."));
 }
@@ -189,7 +191,7 @@ TEST(HgrosList, LeavesOutEndpointsOfAFileWhoseNamesAreNotKnown) {
   const std::string file = folder.Write(
       "desk.yaml", "network: {subscribers: [{ip: 'tcp://slow.example:5555'}, {ip: 'tcp://slow.two:1'}]}\n");
   std::map<std::string, std::string> environment = robot.environment();
-  environment["LD_PRELOAD"] = HGROS_SLOW_NAMES;
+  environment["LD_PRELOAD"] = test::Path("slow_names");
   CommandRun run({"list", "--config", file}, environment);
   EXPECT_EQ(run.Wait(), 0);
   EXPECT_THAT(run.out(), HasSubstr("status"));

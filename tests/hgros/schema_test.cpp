@@ -11,6 +11,7 @@
 #include "hgros/help_examples.hpp"
 #include "hgros/proto_folder.hpp"
 #include "hgros/run_time_types.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -61,7 +62,7 @@ constexpr std::string_view kNotDescribed =
 
 // It used to ask again and again until --timeout, which is longer than the test may take.
 TEST(HgrosSchema, TellsAtOnceThatADescriptionIsTooLarge) {
-  const CommandRun publisher({"large"}, {}, -1, HGROS_FOREIGN_PUBLISHER);
+  const CommandRun publisher({"large"}, {}, -1, test::Path("foreign_publisher"));
   const CommandEnd end = RunToEnd({"schema", "robot.Hand", "--connect", EndpointOf(publisher), "--timeout", "3000"});
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.err, HasSubstr("(foreign, process "));
@@ -73,7 +74,7 @@ TEST(HgrosSchema, TellsAtOnceThatADescriptionIsTooLarge) {
 
 // A session of version 1 would not answer, and the command would wait for --timeout, longer than the test may take.
 TEST(HgrosSchema, DoesNotAskASessionThatTakesOnlyOlderRequests) {
-  const CommandRun publisher({"older"}, {}, -1, HGROS_FOREIGN_PUBLISHER);
+  const CommandRun publisher({"older"}, {}, -1, test::Path("foreign_publisher"));
   for (const std::vector<std::string>& command : {std::vector<std::string>{"schema", "hand"}, {"pub", "hand", "{}"}}) {
     std::vector<std::string> words = command;
     for (const std::string& word :
@@ -112,7 +113,7 @@ TEST(HgrosSchema, FindsInstalledFiles) {
   const ProtoFolder prefix;
   (void)prefix.Write("share/hgros/proto/robot/Claw.proto", "syntax = \"proto3\"; package robot; message Claw {}");
   const std::string program = prefix.Write("bin/hgros", "");
-  std::filesystem::copy_file(HGROS_COMMAND, program, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::copy_file(test::Path("hgros"), program, std::filesystem::copy_options::overwrite_existing);
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   FILE* run = popen((program + " schema robot.Claw").c_str(), "r");
   ASSERT_NE(run, nullptr);

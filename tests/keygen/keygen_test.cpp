@@ -5,12 +5,15 @@
 #include <cstdio>
 #include <string>
 
+#include "support/path.hpp"
+
 namespace hgros {
 namespace {
 
 // What the script writes to standard output, in an empty folder, where $KEYGEN is the program.
 std::string ShellText(const std::string& script) {
-  const std::string line = "KEYGEN=" HGROS_KEYGEN "; cd $(mktemp -d) && { " + script + "; } 2>&1; rm -rf \"$PWD\"";
+  const std::string line =
+      "KEYGEN=" + test::Path("keygen") + "; cd $(mktemp -d) && { " + script + "; } 2>&1; rm -rf \"$PWD\"";
   FILE* out = popen(line.c_str(), "r");
   std::string text;
   std::array<char, 256> buffer{};

@@ -336,7 +336,7 @@ class Processes(RobotTest):
             "        try: publisher.publish(Log(), timeout=0.01)\n"
             "        except hgros.QueueFull: pass\n"
             "threading.Thread(target=publish).start()\n"
-            "for _ in range(100):\n"
+            "for _ in range(20):\n"
             "    next(messages)\n"
             "    child = os.fork()\n"
             "    if child == 0:\n"

@@ -20,6 +20,7 @@
 #include "hgros/hgros.hpp"
 #include "resilience/places.hpp"
 #include "support/await.hpp"
+#include "support/path.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -50,7 +51,7 @@ std::ostream& operator<<(std::ostream& out, const Ending& ending) {
 class Worker {
  public:
   explicit Worker(const Ending& ending) {
-    std::vector<std::string> command = {HGROS_ENDING_WORKER, "--session=" + ending.owner, "--end=" + ending.end,
+    std::vector<std::string> command = {test::Path("ending_worker"), "--session=" + ending.owner, "--end=" + ending.end,
                                         "--in=" + ending.kind, "--bus=" + folder.path()};
     std::vector<char*> arguments;
     for (std::string& argument : command) arguments.push_back(argument.data());

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "hgros/base/ids.hpp"
+#include "support/path.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -29,8 +30,9 @@ Outcome RunLimited(const std::string& lack, int left, const std::string& when, c
   EXPECT_NE(mkdtemp(folder.data()), nullptr);
   // For any user: the worker may become another one.
   std::filesystem::permissions(folder, std::filesystem::perms::all);
-  const std::string command = "XDG_RUNTIME_DIR=" + folder + " timeout 60 " + HGROS_LIMITS_WORKER + " --lack=" + lack +
-                              " --left=" + std::to_string(left) + " --when=" + when + " --do=" + what + " 2>&1";
+  const std::string command = "XDG_RUNTIME_DIR=" + folder + " timeout 60 " + test::Path("limits_worker") +
+                              " --lack=" + lack + " --left=" + std::to_string(left) + " --when=" + when +
+                              " --do=" + what + " 2>&1";
   FILE* const out = popen(command.c_str(), "r");
   std::array<char, 4096> bytes;
   while (const std::size_t size = fread(bytes.data(), 1, bytes.size(), out)) outcome.output.append(bytes.data(), size);

@@ -1,5 +1,7 @@
 // The times that `hgros path` and `hgros trace` show are true: a chain with known delays in three processes on two
 // hosts.
+#include "support/path.hpp"
+
 #include <gtest/gtest.h>
 #include <rapidjson/document.h>
 #include <unistd.h>
@@ -65,7 +67,7 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
                               cable.right);
   ASSERT_TRUE(planner.Reaches({{"messages", 5}})) << planner << mapper << lidar;
 
-  const std::string command = "HGROS_DOMAIN=" + domain + " ip netns exec " + cable.left + " " + HGROS_COMMAND +
+  const std::string command = "HGROS_DOMAIN=" + domain + " ip netns exec " + cable.left + " " + test::Path("hgros") +
                               " path timer/scan map --seconds 3 --json --connect 10.198.0.2:5613";
   std::string said;
   const bool is_true = test::Await(

@@ -11,6 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "support/path.hpp"
+
 namespace hgros::resilience {
 namespace {
 
@@ -45,7 +47,7 @@ int RunCommand(const std::vector<std::string>& command) {
 WorkerProcess::WorkerProcess(const std::vector<std::string>& arguments, const std::string& network_namespace) {
   std::vector<std::string> command;
   if (!network_namespace.empty()) command = {"ip", "netns", "exec", network_namespace};
-  command.emplace_back(HGROS_RESILIENCE_WORKER);
+  command.emplace_back(test::Path("worker"));
   command.insert(command.end(), arguments.begin(), arguments.end());
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");

@@ -89,6 +89,12 @@ class Build:
                 outputs[case.get("name")] = case.findtext("system-out") or ""
         return ctest.returncode, {name: (reason, outputs.get(name, "")) for name, reason in reasons.items()}
 
+    def skipped(self):
+        """Tests of GoogleTest that said why they cannot run here, while others of their suite ran."""
+        log = self.folder / "Testing" / "Temporary" / "LastTest.log"
+        text = log.read_text(errors="replace") if log.exists() else ""
+        return re.findall(r"^\[  SKIPPED \] (\S+) \(\d+ ms\)$", text, re.M)
+
     def labels(self):
         listing = subprocess.run(["ctest", "--test-dir", self.folder, "--show-only=json-v1"], capture_output=True, check=True)
         return {test["name"]: {value for known in test.get("properties", []) if known["name"] == "LABELS"
@@ -109,6 +115,8 @@ def why_not_repeated(name, reason, output, labels):
 def run(folder, jobs, arguments, strict):
     build = Build(folder)
     code, failed = build.run(["-j", jobs] + arguments)
+    if skipped := build.skipped():
+        print(f"\nSkipped, as Testing/Temporary/LastTest.log explains: {', '.join(skipped)}")
     if code == 0 or strict or not failed:
         return code
     if len(failed) > MOST_REPEATED:

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "services/services_fixture.hpp"
+#include "support/path.hpp"
 
 namespace hgros {
 namespace {
@@ -25,12 +26,13 @@ class ServerProcess {
   explicit ServerProcess(const std::string& yaml) {
     int ends[2];
     if (pipe(ends) != 0) std::abort();
+    const std::string worker = test::Path("worker");
     pid_ = fork();
     if (pid_ == 0) {
       dup2(ends[1], STDOUT_FILENO);
       close(ends[0]);
       close(ends[1]);
-      execl(HGROS_SERVICE_WORKER, HGROS_SERVICE_WORKER, yaml.c_str(), nullptr);
+      execl(worker.c_str(), worker.c_str(), yaml.c_str(), nullptr);
       _exit(127);
     }
     close(ends[1]);

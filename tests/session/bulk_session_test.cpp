@@ -7,7 +7,7 @@
 
 #include "session/session_fixture.hpp"
 
-namespace hgros {
+namespace hgros::bulk_session_test {
 namespace {
 
 using foxglove::PointCloud;
@@ -336,4 +336,4 @@ TEST(BulkInProcess, BulkAndPlainMessagesAreConvertedForEachOther) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::bulk_session_test

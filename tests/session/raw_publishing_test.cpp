@@ -11,7 +11,7 @@
 #include "hgros/session/session_parts.hpp"
 #include "session/observed_fixture.hpp"
 
-namespace hgros {
+namespace hgros::raw_publishing_test {
 namespace {
 
 using foxglove::PointCloud;
@@ -372,4 +372,4 @@ TEST_F(RawPublishingAlone, HandleThatOutlivesItsSessionIsClosed) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::raw_publishing_test

@@ -6,7 +6,7 @@
 
 #include "session/observed_fixture.hpp"
 
-namespace hgros {
+namespace hgros::raw_session_test {
 namespace {
 
 using foxglove::PointCloud;
@@ -306,4 +306,4 @@ TEST(RawSubscriptionAlone, ReceivesMessagesOfItsOwnSession) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::raw_session_test

@@ -14,7 +14,7 @@
 #include "session/domain_fixture.hpp"
 #include "session/session_core.hpp"
 
-namespace hgros {
+namespace hgros::steering_test {
 namespace {
 
 using test::Await;
@@ -127,4 +127,4 @@ TEST_F(SteeringTest, StopsAProgramWhoseForbiddenCallbackHangs) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::steering_test

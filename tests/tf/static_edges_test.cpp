@@ -15,7 +15,7 @@
 #include "tf/static_messages.hpp"
 #include "tf/tf_fixture.hpp"
 
-namespace hgros {
+namespace hgros::static_edges_test {
 namespace {
 
 using foxglove::FrameTransforms;
@@ -198,4 +198,4 @@ TEST_F(StaticEdges, OneThatMovesToAnotherSessionIsNotShared) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::static_edges_test

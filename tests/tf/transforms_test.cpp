@@ -16,7 +16,7 @@
 #include "session/domain_fixture.hpp"
 #include "tf/tf_fixture.hpp"
 
-namespace hgros {
+namespace hgros::transforms_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -526,4 +526,4 @@ TEST(DefaultTransforms, BelongToTheDefaultSession) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::transforms_test

@@ -122,7 +122,8 @@ class QueueForFirst : public SilentQueue {
   std::condition_variable first;
 };
 
-std::chrono::steady_clock::time_point Never() { return std::chrono::steady_clock::now() + test::kPatience; }
+// Far beyond the time that a test may take: it hangs if nothing ends the visit.
+std::chrono::steady_clock::time_point Never() { return std::chrono::steady_clock::now() + std::chrono::hours(1); }
 
 TEST(LeaderPool, RunsEveryTaskOnceWithOneLeaderAtATime) {
   Queue queue;
@@ -317,6 +318,7 @@ TEST(LeaderPool, ATaskOfReceivingHereMayLeaveTheRestToAnotherThread) {
     } else {
       EXPECT_FALSE(LeaderPool::LeftRest());
       ++elsewhere;
+      pool.WakeReceiver();
     }
   });
   receiver.join();
@@ -399,7 +401,12 @@ TEST(LeaderPool, AThreadThatReceivesHereRunsWhatAVisitorHasHandedOver) {
     });
   }
   ASSERT_TRUE(Eventually([&] { return ran == 2; }));  // Both threads that the pool had are busy.
-  for (int i = 0; i < 48; ++i) queue.PutSilently([&] { ++ran; });
+  for (int i = 0; i < 48; ++i) {
+    queue.PutSilently([&] {
+      ++ran;
+      pool.WakeReceiver();  // It may run on a thread of the pool.
+    });
+  }
   std::atomic<int> seen{0};
   pool.Receive({.done = [&] { return ++seen > 60; }, .until = Never()});
   EXPECT_TRUE(pool.ReceiveHere({.done = [&] { return ran == 50; }, .until = Never()}));

@@ -14,7 +14,7 @@
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
 
-namespace hgros {
+namespace hgros::cut_subscribers_test {
 namespace {
 
 using test::Await;
@@ -390,4 +390,4 @@ TEST_F(LostTransport, CountsUnconfirmedMessagesAsMissedWhenTheSubscriberLeaves) 
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::cut_subscribers_test

@@ -14,7 +14,7 @@
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/transport/transport.hpp"
 
-namespace hgros {
+namespace hgros::joined_outbound_test {
 namespace {
 
 /// Holds every thread that comes, until it is opened.
@@ -221,4 +221,4 @@ TEST_F(SubscriberEnd, IsToldThoughItHasSubscribedAgainOverOneTransportMeanwhile)
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::joined_outbound_test

@@ -21,7 +21,7 @@
 #include "discovery/listening.hpp"
 #include "hgros/base/error.hpp"
 
-namespace hgros::discovery {
+namespace hgros::discovery::beacon_test {
 namespace {
 
 using std::chrono::hours;
@@ -217,4 +217,4 @@ TEST_F(Beacon, ForkedChildDoesNotDisturbIt) {
 }
 
 }  // namespace
-}  // namespace hgros::discovery
+}  // namespace hgros::discovery::beacon_test

@@ -17,7 +17,7 @@
 #include "hgros/base/error.hpp"
 #include "support/seed.hpp"
 
-namespace hgros::discovery {
+namespace hgros::discovery::registry_test {
 namespace {
 
 using test::Await;
@@ -329,4 +329,4 @@ TEST_F(Registry, LetsFiftySessionsOfOneProcessSeeEachOther) {
 }
 
 }  // namespace
-}  // namespace hgros::discovery
+}  // namespace hgros::discovery::registry_test

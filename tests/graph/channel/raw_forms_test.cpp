@@ -14,7 +14,7 @@
 #include "hgros/codec/message.hpp"
 #include "hgros/codec/raw_message.hpp"
 
-namespace hgros {
+namespace hgros::raw_forms_test {
 namespace {
 
 using foxglove::Point3;
@@ -320,4 +320,4 @@ TEST(RawForms, NodesCanBeAddedDuringPublishing) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::raw_forms_test

@@ -18,7 +18,7 @@
 #include "hgros/codec/message.hpp"
 #include "hgros/internal/graph/outlet.hpp"
 
-namespace hgros {
+namespace hgros::two_forms_test {
 namespace {
 
 using foxglove::RawImage;
@@ -372,4 +372,4 @@ TEST(TwoForms, SecondTypeCanBeAddedDuringPublishing) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::two_forms_test

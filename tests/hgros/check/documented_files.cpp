@@ -4,6 +4,8 @@
 #include <regex>
 #include <sstream>
 
+#include "support/path.hpp"
+
 namespace hgros::cli {
 namespace {
 
@@ -22,7 +24,7 @@ std::string NameIn(const std::string& yaml) {
 
 }  // namespace
 
-std::filesystem::path RepositoryFolder() { return HGROS_REPOSITORY; }
+std::filesystem::path RepositoryFolder() { return test::Path("repository"); }
 
 std::vector<DocumentedFile> FilesOfPage(const std::string& page) {
   std::vector<DocumentedFile> files;

@@ -82,6 +82,7 @@ class Does {
     context.CreateTimer("soon", std::chrono::milliseconds(50), [this](const hgros::Tick&) { Do(); });
   }
   void Activate() {
+    if (what_ == "hang at start") context_.log().Write(hgros::LogLevel::kInfo, "I hang.");
     while (what_ == "hang at start") (void)pause();
     if (what_ == "run late") Wait(std::chrono::milliseconds(700));
     context_.log().Write(hgros::LogLevel::kInfo, "I run.");

@@ -18,6 +18,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/every/everything.hpp"
 #include "hgros/run_time_types.hpp"
+#include "support/path.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -40,7 +41,7 @@ TEST(EveryCommand, EndsWithASentenceWhenTheSessionDiesWhileItIsAsked) {
     const std::vector<std::vector<std::string>> runs(
         from, from + static_cast<std::ptrdiff_t>(std::min(kAtOnce, all.size() - begin)));
     const std::map<std::string, std::string> environment{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
-    const CommandRun victim({}, environment, -1, HGROS_EVERYTHING);
+    const CommandRun victim({}, environment, -1, test::Path("everything"));
     for (const char* what : {"channels", "services", "params"}) {
       ASSERT_TRUE(test::Await([&] { return !RunToEnd({"list", what}, environment).out.empty(); })) << victim.err();
     }

@@ -18,6 +18,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
 #include "support/await.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -128,7 +129,7 @@ TEST(HgrosService, ProcessesOfSeparateContainersMeetAndShareMemory) {
         std::vector<std::string>{"--mount", "--pid", "--ipc", "--fork", "--kill-child", "--mount-proc", "sh", "-c",
                                  "mount -t tmpfs none /run; unset XDG_RUNTIME_DIR; exec \"$0\" run " + robot.file() +
                                      " --process " + process,
-                                 HGROS_COMMAND},
+                                 test::Path("hgros")},
         robot.environment(), -1, "/usr/bin/unshare");
   };
   const auto p = start("p");

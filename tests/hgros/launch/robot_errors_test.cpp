@@ -9,6 +9,7 @@
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -23,7 +24,7 @@ struct ErrorCase {
 // The cases of robot_errors.txt: "== NAME | COMMAND", the file, and what is said, behind "-> ".
 std::vector<ErrorCase> Cases() {
   std::vector<ErrorCase> cases;
-  std::ifstream file(ROBOT_ERRORS);
+  std::ifstream file(test::Path("robot_errors"));
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with("== ")) {
       const std::size_t bar = std::min(line.find(" | "), line.size());

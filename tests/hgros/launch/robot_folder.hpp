@@ -15,13 +15,14 @@
 #include <vector>
 
 #include "hgros/command_run.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 
 /// A robot file in a folder of its own, and its domain.
 class RobotFolder {
  public:
-  explicit RobotFolder(const std::string& text, std::string manifests = WORDS_MANIFESTS)
+  explicit RobotFolder(const std::string& text, std::string manifests = test::Path("words_manifests"))
       : manifests_(std::move(manifests)) {
     std::string name = (std::filesystem::temp_directory_path() / "hgros_run_XXXXXX").string();
     folder_ = mkdtemp(name.data());

@@ -15,6 +15,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
 #include "support/await.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -99,7 +100,7 @@ TEST_F(BadLibraries, ConstructorsThatEndTheProcessAreNamedBeforeAnythingRuns) {
   const std::map<std::string, std::string> reasons{
       {"bad/Exits", "it ended with exit code 3"}, {"bad/Crashes", "SIGSEGV"}, {"bad/Throws", "there is no"}};
   for (const auto& [type, reason] : reasons) {
-    Name(BAD_LIBRARY, type);
+    Name(test::Path("bad_library"), type);
     const CommandEnd end = Run(type);
     EXPECT_EQ(end.status, 1) << type;
     EXPECT_EQ(end.out, "") << type;

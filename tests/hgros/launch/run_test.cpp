@@ -18,6 +18,7 @@
 #include "hgros/transport/curve_key_pair.hpp"
 #include "support/await.hpp"
 #include "support/cable.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -78,7 +79,7 @@ TEST(HgrosRun, CutsLinesOfTheLogThatAreVeryLong) {
 
 // Starts the part of `host` in a network namespace.
 std::unique_ptr<CommandRun> StartOn(const RobotFolder& robot, const std::string& host, const std::string& space) {
-  return std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", space, HGROS_COMMAND, "run",
+  return std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", space, test::Path("hgros"), "run",
                                                                robot.file(), "--host", host, "--name", host},
                                       robot.environment(), -1, "/sbin/ip");
 }
@@ -94,8 +95,8 @@ TEST(HgrosRun, HostsStartTheirPartsInAnyOrder) {
         "processes: {p: {components: [numbers], host: base}}\n");
     const auto start = [&](bool home) {
       return std::make_unique<CommandRun>(
-          std::vector<std::string>{"netns", "exec", home ? cable.left : cable.right, HGROS_COMMAND, "run", robot.file(),
-                                   "--host", home ? "cart" : "base", "--name", home ? "cart" : "base"},
+          std::vector<std::string>{"netns", "exec", home ? cable.left : cable.right, test::Path("hgros"), "run",
+                                   robot.file(), "--host", home ? "cart" : "base", "--name", home ? "cart" : "base"},
           robot.environment(), -1, "/sbin/ip");
     };
     const auto first = start(home_first);
@@ -178,7 +179,7 @@ TEST(HgrosRun, HostsWithKeysExchangeMessages) {
 TEST(HgrosRun, ProgramsExchangeWhatTheySayWithOtherHosts) {
   const test::Cable cable;
   if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "Network namespaces need root.";
-  const std::string hgros = HGROS_COMMAND;
+  const std::string hgros = test::Path("hgros");
   const RobotFolder robot(
       "hosts: {cart: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
       "discovery: {local: false}\n"
@@ -383,19 +384,27 @@ TEST(HgrosRun, KillsWhatDoesNotEnd) {
 }
 
 TEST(HgrosRun, DeactivatesComponentsThatWaitForOneOfTheirProcess) {
-  for (const auto& [what, begun] :
-       {std::pair("hang", "  I hang."), std::pair("hang at start", "p  warning: An Activate()"),
-        std::pair("hang at end", "c  I run.")}) {
-    const RobotFolder robot(
-        std::string("components:\n  a: {type: relay/Does}\n  b: {type: relay/Does, params: {what: ") + what +
-        "}}\n  c: {type: relay/Does, params: {what: " + what + "}}\nprocesses: {p: {components: [a, b, c]}}\n");
-    CommandRun run(robot.Arguments(), robot.environment());
-    ASSERT_TRUE(run.Prints(begun)) << run.out();
-    run.Signal(SIGINT);
-    EXPECT_EQ(run.Wait(), 128 + SIGINT);
-    EXPECT_THAT(run.out(), HasSubstr("a  I end.")) << what;
-    EXPECT_THAT(run.out(), HasSubstr("It holds up the end of its process.")) << what;
-    EXPECT_THAT(run.out(), HasSubstr("did not end in time, and is killed.")) << what;
+  struct Held {
+    explicit Held(const std::string& what)
+        : robot("components:\n  a: {type: relay/Does}\n  b: {type: relay/Does, params: {what: " + what +
+                "}}\n  c: {type: relay/Does, params: {what: " + what + "}}\nprocesses: {p: {components: [a, b, c]}}\n"),
+          run(robot.Arguments(), robot.environment()) {}
+    const RobotFolder robot;
+    CommandRun run;
+  };
+  Held hangs("hang");
+  Held at_start("hang at start");
+  Held at_end("hang at end");
+  for (const auto& [held, begun] :
+       {std::pair(&hangs, "I hang."), std::pair(&at_start, "I hang."), std::pair(&at_end, "c  I run.")}) {
+    ASSERT_TRUE(held->run.Prints(begun)) << held->run.out();
+  }
+  for (Held* held : {&hangs, &at_start, &at_end}) held->run.Signal(SIGINT);
+  for (Held* held : {&hangs, &at_start, &at_end}) {
+    EXPECT_EQ(held->run.Wait(), 128 + SIGINT);
+    EXPECT_THAT(held->run.out(), HasSubstr("a  I end."));
+    EXPECT_THAT(held->run.out(), HasSubstr("It holds up the end of its process."));
+    EXPECT_THAT(held->run.out(), HasSubstr("did not end in time, and is killed."));
   }
 }
 

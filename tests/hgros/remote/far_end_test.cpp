@@ -12,6 +12,7 @@
 #include "processes/message_stream.hpp"
 #include "remote/remote.pb.h"
 #include "support/await.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -21,11 +22,12 @@ TEST(FarEnd, EndsWhenItFindsThatNobodyReadsWhatItsProgramPrints) {
   std::array<int, 2> out{};
   ASSERT_EQ(pipe2(in.data(), O_CLOEXEC), 0);
   ASSERT_EQ(pipe2(out.data(), O_CLOEXEC), 0);
+  const std::string hgros = test::Path("hgros");
   const pid_t far = fork();
   if (far == 0) {
     (void)dup2(in[0], STDIN_FILENO);
     (void)dup2(out[1], STDOUT_FILENO);
-    (void)execl(HGROS_COMMAND, "hgros", "__hosted", nullptr);
+    (void)execl(hgros.c_str(), "hgros", "__hosted", nullptr);
     _exit(127);
   }
   close(in[0]);

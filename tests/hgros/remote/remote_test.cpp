@@ -21,6 +21,7 @@
 #include "hgros/transport/curve_key_pair.hpp"
 #include "remote/library_build.hpp"
 #include "support/await.hpp"
+#include "support/path.hpp"
 #include "support/seed.hpp"
 
 namespace hgros::cli {
@@ -58,7 +59,7 @@ TEST(HgrosRemote, StartsProcessesAndProgramsOverSshAndBringsTheirLogBack) {
 TEST(HgrosRemote, ProgramsExchangeWhatTheySay) {
   const SshHost host;
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const std::string hgros = HGROS_COMMAND;
+  const std::string hgros = test::Path("hgros");
   const RobotFolder robot(std::string(kHosts) +
                           "components: {counting: {type: moving/Counting}, counter: {type: relay/Counter}}\n"
                           "programs:\n"
@@ -271,7 +272,6 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
   }
 }
 
-#ifdef SLAM2D_ROBOTS
 std::string HashesIn(const std::string& out) {
   std::smatch found;
   return std::regex_search(out, found, std::regex("hashes +map [0-9a-f]{16}, trajectory [0-9a-f]{16}")) ? found.str()
@@ -280,15 +280,15 @@ std::string HashesIn(const std::string& out) {
 
 // The paper's first use case: a node of the demo moves to another host and back, during operation.
 TEST(HgrosRemote, AMapperThatMovesBetweenHostsDrawsTheSameMap) {
-  const SshHost host(std::map<std::string, std::string>{{"HGROS_COMPONENT_PATH", SLAM2D_MANIFESTS}});
+  const SshHost host(std::map<std::string, std::string>{{"HGROS_COMPONENT_PATH", test::Path("slam2d_manifests")}});
   if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const std::string include = "include: " SLAM2D_ROBOTS "/slam2d.yaml\n";
-  const RobotFolder alone(include, SLAM2D_MANIFESTS);
+  const std::string include = "include: " + test::Path("slam2d") + "/slam2d.yaml\n";
+  const RobotFolder alone(include, test::Path("slam2d_manifests"));
   const RobotFolder robot(include + kHosts +
                               "processes:\n"
                               "  front: {components: [source, matcher, writer], essential: true}\n"
                               "  back: {host: base, components: [mapper], essential: true}\n",
-                          SLAM2D_MANIFESTS);
+                          test::Path("slam2d_manifests"));
   const std::vector<std::string> scans{"--set", "source.params.scans=60"};
   const auto out = [](const RobotFolder& folder) {
     return std::vector<std::string>{"--set", "writer.params.out=" + folder.path("out").string()};
@@ -313,7 +313,6 @@ TEST(HgrosRemote, AMapperThatMovesBetweenHostsDrawsTheSameMap) {
   ASSERT_EQ(reference.status, 0) << reference.out << reference.err;
   EXPECT_EQ(HashesIn(run->out()), HashesIn(reference.out));
 }
-#endif
 
 TEST(HgrosRemote, CtrlCEndsTheOtherHostsProcessesInOrder) {
   const SshHost host;
@@ -409,8 +408,9 @@ TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
   const auto run = host.Run(robot);
   ASSERT_TRUE(run->Prints("begins at 0.")) << run->out() << run->err();
   const auto say_word = [&] {
-    CommandRun pub({"netns", "exec", host.cable.right, HGROS_COMMAND, "pub", "word", "{value: a}", "--timeout", "30"},
-                   robot.environment(), -1, "/sbin/ip");
+    CommandRun pub(
+        {"netns", "exec", host.cable.right, test::Path("hgros"), "pub", "word", "{value: a}", "--timeout", "30"},
+        robot.environment(), -1, "/sbin/ip");
     EXPECT_EQ(pub.Wait(), 0) << pub.err();
   };
   say_word();
@@ -472,7 +472,7 @@ TEST(HgrosRemote, WhatHangsAtItsEndIsRestartedThere) {
 TEST(HgrosRemote, SaysWhichLibraryDiffers) {
   const RobotFolder other("");
   const std::filesystem::path library = other.path("libhgros_test_relay.so");
-  std::filesystem::copy(std::filesystem::path(WORDS_LIBRARY).parent_path() / library.filename(), library);
+  std::filesystem::copy(std::filesystem::path(test::Path("words_library")).parent_path() / library.filename(), library);
   const std::string before = BuildOf(library).id;
   ASSERT_EQ(before.size(), 40U);
   {

@@ -20,6 +20,7 @@
 #include "hgros/launch/robot_folder.hpp"
 #include "support/await.hpp"
 #include "support/cable.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 
@@ -80,8 +81,8 @@ class SshHost {
     std::filesystem::copy(folder / "user_key.pub", folder / "authorized_keys");
     Trust("host_key.pub");
     const std::string place = folder.string();
-    far.try_emplace("HGROS_COMPONENT_PATH", WORDS_MANIFESTS);
-    far.try_emplace("PATH", std::filesystem::path(HGROS_COMMAND).parent_path().string() + ":/usr/bin:/bin");
+    far.try_emplace("HGROS_COMPONENT_PATH", test::Path("words_manifests"));
+    far.try_emplace("PATH", std::filesystem::path(test::Path("hgros")).parent_path().string() + ":/usr/bin:/bin");
     std::string set;
     for (const auto& [variable, value] : far) set += " \"" + variable + "=" + value + "\"";
     std::ofstream(folder / "sshd_config")
@@ -122,7 +123,7 @@ class SshHost {
   [[nodiscard]] std::unique_ptr<CommandRun> OnDesk(const RobotFolder& robot, std::vector<std::string> words) const {
     std::map<std::string, std::string> environment = robot.environment();
     environment["PATH"] = path;
-    words.insert(words.begin(), {"netns", "exec", cable.left, HGROS_COMMAND});
+    words.insert(words.begin(), {"netns", "exec", cable.left, test::Path("hgros")});
     return std::make_unique<CommandRun>(std::move(words), environment, -1, "/sbin/ip");
   }
   [[nodiscard]] std::unique_ptr<CommandRun> Run(const RobotFolder& robot) const {

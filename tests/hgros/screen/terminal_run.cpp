@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "support/path.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -41,7 +42,7 @@ TerminalRun::TerminalRun(const std::vector<std::string>& arguments,
   if (openpty(&master_, &slave, nullptr, nullptr, &size) != 0) throw Error("no terminal");
   (void)fcntl(master_, F_SETFD, FD_CLOEXEC);
   (void)tcgetattr(slave, &before_);
-  std::vector<std::string> words{"sh", "-c", kScript, "hgros", HGROS_COMMAND};
+  std::vector<std::string> words{"sh", "-c", kScript, "hgros", test::Path("hgros")};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

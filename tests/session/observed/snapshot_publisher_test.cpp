@@ -13,7 +13,7 @@
 #include "hgros/session/snapshot_message.hpp"
 #include "session/observed_fixture.hpp"
 
-namespace hgros {
+namespace hgros::snapshot_publisher_test {
 namespace {
 
 using foxglove::Vector3;
@@ -202,4 +202,4 @@ INSTANTIATE_TEST_SUITE_P(Over, SnapshotPublishers, testing::Values("sharedmemory
                          [](const auto& over) { return over.param; });
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::snapshot_publisher_test

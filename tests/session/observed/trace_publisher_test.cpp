@@ -7,7 +7,7 @@
 #include "hgros/session/trace_message.hpp"
 #include "services/services_fixture.hpp"
 
-namespace hgros {
+namespace hgros::trace_publisher_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -131,4 +131,4 @@ TEST(TraceMessages, TellWhatIsLost) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::trace_publisher_test

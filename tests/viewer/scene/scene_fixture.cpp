@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "hgros/base/error.hpp"
+#include "support/path.hpp"
 #include "viewer/app/output/png_file.hpp"
 
 namespace hgros::viewer::test {
@@ -94,7 +95,7 @@ void SceneTest::ExpectAsKept(const std::string& name) {
 
 void SceneTest::ExpectDrawnAsKept(const std::string& name) {
   const Pixels pixels = scene_.picture().Pixels();
-  const std::filesystem::path kept = std::filesystem::path(HGROS_KEPT_PICTURES) / (name + ".png");
+  const std::filesystem::path kept = std::filesystem::path(hgros::test::Path("kept_pictures")) / (name + ".png");
   if (std::getenv("HGROS_KEEP_PICTURES") != nullptr) {
     ASSERT_EQ(WritePng(kept, kPictureSize, pixels), "");
     return;

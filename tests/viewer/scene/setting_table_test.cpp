@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "support/path.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -28,7 +29,7 @@ std::vector<std::string> Split(const std::string& text, const std::string& by) {
 
 /// The table of docs/viewer.md whose head is "display, setting, means, default".
 Table ReadTable() {
-  std::ifstream file(HGROS_VIEWER_PAGE);
+  std::ifstream file(hgros::test::Path("page"));
   Table table;
   std::vector<std::string> displays;
   bool inside = false;

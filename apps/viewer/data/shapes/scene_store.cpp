@@ -94,8 +94,8 @@ void SceneStore::Erase(const std::string& id) {
 std::string SceneStore::Put(const std::string& id, Entity entity) {
   Erase(id);
   std::string fault;
-  if (entity.shapes->size() > kMaxShapes - shapes_) {
-    fault = "With it there are more than " + std::to_string(kMaxShapes) + " shapes, and it is left out.";
+  if (entity.shapes->size() > most_shapes_ - shapes_) {
+    fault = "With it there are more than " + std::to_string(most_shapes_) + " shapes, and it is left out.";
     entity.shapes = std::make_shared<SceneShapes>();
   }
   shapes_ += entity.shapes->size();

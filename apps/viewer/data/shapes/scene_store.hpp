@@ -18,8 +18,8 @@ namespace hgros::viewer {
 
 /// The entities of one channel, as foxglove.SceneUpdate or hgros.Shapes change them.
 ///
-/// Thread safety: none. Invariants: at most kMaxEntities with at most kMaxShapes in total. The rest is left out and
-/// reported.
+/// Thread safety: none. Invariants: at most kMaxEntities with at most `most_shapes` in total. The rest is left out
+/// and reported.
 class SceneStore {
  public:
   static constexpr std::size_t kMaxEntities = 100'000;
@@ -33,6 +33,8 @@ class SceneStore {
     std::shared_ptr<const SceneShapes> shapes;  ///< In `frame`.
     std::string told;                           ///< Its name and metadata, as lines.
   };
+
+  explicit SceneStore(std::size_t most_shapes = kMaxShapes) noexcept : most_shapes_(most_shapes) {}
 
   /// Applies deletions first, then entities. Each entity replaces the one with its id. The lifetime of an entity
   /// without a stamp begins `now`. Returns what is wrong with the first entity that cannot be shown completely, as a
@@ -77,6 +79,7 @@ class SceneStore {
   void Delete(const foxglove::SceneEntityDeletion& deletion);
 
   std::map<std::string, Entity> entities_;
+  std::size_t most_shapes_;
   std::size_t shapes_ = 0;  ///< Total of all entities.
 };
 

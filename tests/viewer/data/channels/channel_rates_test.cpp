@@ -14,7 +14,7 @@ MessageInfo Info(std::uint64_t sequence, std::uint64_t incarnation = 1) {
   return info;
 }
 
-TEST(ChannelRates, ReportRateBandwidthAndLatency) {
+TEST(ViewerChannelRates, ReportRateBandwidthAndLatency) {
   ChannelRate rate;
   for (int i = 0; i < 21; ++i) {
     MessageInfo info = Info(static_cast<std::uint64_t>(i + 1));
@@ -31,7 +31,7 @@ TEST(ChannelRates, ReportRateBandwidthAndLatency) {
   EXPECT_EQ(figures.silence, std::chrono::nanoseconds(0));
 }
 
-TEST(ChannelRates, RateOfAStoppedChannelFallsToZero) {
+TEST(ViewerChannelRates, RateOfAStoppedChannelFallsToZero) {
   ChannelRate rate;
   for (int i = 0; i < 11; ++i) rate.Add(Info(static_cast<std::uint64_t>(i + 1)), 1, i * 100 * kMillisecond, 0);
   EXPECT_NEAR(rate.At(1050 * kMillisecond).messages_per_second, 10, 0.1);
@@ -40,7 +40,7 @@ TEST(ChannelRates, RateOfAStoppedChannelFallsToZero) {
   EXPECT_EQ(rate.At(60'000 * kMillisecond).silence, std::chrono::seconds(59));
 }
 
-TEST(ChannelRates, CountsSequenceGapsButNotRestarts) {
+TEST(ViewerChannelRates, CountsSequenceGapsButNotRestarts) {
   ChannelRate rate;
   for (const std::uint64_t sequence : {5U, 6U, 9U}) rate.Add(Info(sequence), 1, 0, 0);
   EXPECT_EQ(rate.At(0).missed, 2U);
@@ -49,7 +49,7 @@ TEST(ChannelRates, CountsSequenceGapsButNotRestarts) {
   EXPECT_EQ(rate.At(0).missed, 2U);
 }
 
-TEST(ChannelRates, HasNoFiguresWithoutMessages) {
+TEST(ViewerChannelRates, HasNoFiguresWithoutMessages) {
   const ChannelRate rate;
   EXPECT_EQ(rate.At(5).messages_per_second, 0);
   EXPECT_FALSE(rate.At(5).latency);

@@ -23,7 +23,7 @@ std::string Names(const std::vector<ChannelLine>& lines) {
   return names;
 }
 
-TEST(ChannelTable, NamesEachProgramOnce) {
+TEST(ViewerChannelTable, NamesEachProgramOnce) {
   KnownChannel channel;
   channel.name = "scan";
   channel.type_name = "foxglove.LaserScan";
@@ -34,7 +34,7 @@ TEST(ChannelTable, NamesEachProgramOnce) {
   EXPECT_FALSE(line.figures);
 }
 
-TEST(ChannelTable, SortsUnmeasuredChannelsLastInBothDirections) {
+TEST(ViewerChannelTable, SortsUnmeasuredChannelsLastInBothDirections) {
   std::vector<ChannelLine> lines{Line("a"), Line("b", 5), Line("c", 10), Line("d")};
   SortLines(lines, ChannelColumn::kRate, true);
   EXPECT_EQ(Names(lines), "cbad");
@@ -42,7 +42,7 @@ TEST(ChannelTable, SortsUnmeasuredChannelsLastInBothDirections) {
   EXPECT_EQ(Names(lines), "bcad");
 }
 
-TEST(ChannelTable, SortsEqualRowsByName) {
+TEST(ViewerChannelTable, SortsEqualRowsByName) {
   std::vector<ChannelLine> lines{Line("c", 5), Line("a", 5), Line("b", 5)};
   SortLines(lines, ChannelColumn::kRate, true);
   EXPECT_EQ(Names(lines), "abc");
@@ -50,7 +50,7 @@ TEST(ChannelTable, SortsEqualRowsByName) {
   EXPECT_EQ(Names(lines), "cba");
 }
 
-TEST(ChannelTable, SortsBySilence) {
+TEST(ViewerChannelTable, SortsBySilence) {
   std::vector<ChannelLine> lines{Line("a", 1), Line("b", 1), Line("c", 1)};
   lines[0].figures->silence = 2s;
   lines[1].figures->silence = 1s;

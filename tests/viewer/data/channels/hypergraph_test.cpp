@@ -31,7 +31,7 @@ Snapshot::Channel& AddChannel(Snapshot& snapshot, const std::string& name) {
   return channel;
 }
 
-TEST(Hypergraph, ConnectsProcessesByTheirChannels) {
+TEST(ViewerHypergraph, ConnectsProcessesByTheirChannels) {
   const auto graph = MakeHypergraph({Channel("scan", {User(2, "lidar")}, {User(1, "viewer"), User(3, "slam")}),
                                      Channel("map", {User(3, "slam")}, {})},
                                     {1}, {}, {});
@@ -48,7 +48,7 @@ TEST(Hypergraph, ConnectsProcessesByTheirChannels) {
   EXPECT_FALSE(graph.lines[0].counts) << "its counts are unknown";
 }
 
-TEST(Hypergraph, ShowsTheCountsOfProcesses) {
+TEST(ViewerHypergraph, ShowsTheCountsOfProcesses) {
   SessionCounts counts;
   for (int second = 0; second < 2; ++second) {
     const auto passed = static_cast<std::uint64_t>(second);
@@ -100,7 +100,7 @@ TEST(Hypergraph, ShowsTheCountsOfProcesses) {
   EXPECT_EQ(by_node.lines[2].counts->dropped, 6U);
 }
 
-TEST(Hypergraph, EstimatesTheRateOfSilentPublishersFromSubscribers) {
+TEST(ViewerHypergraph, EstimatesTheRateOfSilentPublishersFromSubscribers) {
   SessionCounts counts;
   for (int second = 0; second < 2; ++second) {
     Snapshot own;
@@ -112,19 +112,19 @@ TEST(Hypergraph, EstimatesTheRateOfSilentPublishersFromSubscribers) {
   EXPECT_DOUBLE_EQ(graph.channels[0].per_second.value(), 7);
 }
 
-TEST(Hypergraph, CutsLongProcessNames) {
+TEST(ViewerHypergraph, CutsLongProcessNames) {
   const auto graph = MakeHypergraph({Channel("scan", {User(2, std::string(60'000, 'x'))}, {})}, {}, {}, {});
   ASSERT_EQ(graph.processes.size(), 1U);
   EXPECT_EQ(graph.processes[0].name.size(), kMaxShownBytes);
 }
 
-TEST(Hypergraph, OmitsTheLibrarysOwnChannels) {
+TEST(ViewerHypergraph, OmitsTheLibrarysOwnChannels) {
   const std::vector<KnownChannel> channels{Channel("hgros/call/add", {}, {User(2, "server")})};
   EXPECT_TRUE(MakeHypergraph(channels, {}, {}, {}).processes.empty());
   EXPECT_EQ(MakeHypergraph(channels, {}, {}, {.inner = true}).lines.size(), 1U);
 }
 
-TEST(Hypergraph, MarksChannelsWithDifferentTypes) {
+TEST(ViewerHypergraph, MarksChannelsWithDifferentTypes) {
   const auto graph = MakeHypergraph(
       {Channel("a", {User(1, "x")}, {User(2, "y", "Other")}), Channel("b", {User(1, "x")}, {User(2, "y", "")})}, {}, {},
       {.inner = true});

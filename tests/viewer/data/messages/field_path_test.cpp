@@ -47,7 +47,7 @@ std::optional<double> Value(const Dynamic<LaserScan>& scan, std::string_view pat
   return parsed ? parsed->Read(*scan.read) : std::nullopt;
 }
 
-TEST(FieldPath, ReadsNumbersAtAnyDepth) {
+TEST(ViewerFieldPath, ReadsNumbersAtAnyDepth) {
   const Dynamic scan(Scan());
   EXPECT_EQ(Value(scan, "pose.position.x"), 3);
   EXPECT_EQ(Value(scan, "start_angle"), -1);
@@ -63,7 +63,7 @@ TEST(FieldPath, ReadsNumbersAtAnyDepth) {
   EXPECT_EQ(FieldPath::Parse("level", said.schema->descriptor(), fault)->Read(*said.read), 4);
 }
 
-TEST(FieldPath, ExplainsWhyThereIsNoNumber) {
+TEST(ViewerFieldPath, ExplainsWhyThereIsNoNumber) {
   const auto fault = [](std::string_view path) {
     std::string said;
     EXPECT_FALSE(FieldPath::Parse(path, *LaserScan::descriptor(), said)) << path;
@@ -81,7 +81,7 @@ TEST(FieldPath, ExplainsWhyThereIsNoNumber) {
   }
 }
 
-TEST(FieldPath, ListsAllPathsOfNumbers) {
+TEST(ViewerFieldPath, ListsAllPathsOfNumbers) {
   const auto paths = NumberPaths(*LaserScan::descriptor(), 100);
   EXPECT_THAT(paths, Contains("pose.position.x"));
   EXPECT_THAT(paths, Contains("ranges[0]"));
