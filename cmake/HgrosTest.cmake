@@ -16,7 +16,7 @@ endif()
 #   pure    nothing: one process, no thread that it waits for, no clock. It never runs again: a failure is a fault.
 #   timed   threads or time
 #   system  other processes, network namespaces, compilers, a display
-# Tests that take ten seconds or more, flood, or try what others try with more participants, have the label `deep` as
+# Most tests that take ten seconds or more, flood, or try what others try with more participants, have the label `deep` as
 # well: `./dev check`.
 #
 # hgros_suite_label(variable): the label of the suite in whose folder this is called.
@@ -31,7 +31,8 @@ endfunction()
 # takes longer than most tests, or one for each test if the program is labelled system. The lists name tests that are
 # timed, system or deep, that run while no other test runs (SERIAL), or one after the other because they make network
 # namespaces (NETWORK). A name is that of a suite, or a regular expression for the beginning of suite.test; a test that is
-# deep, SERIAL or NETWORK has its own entry. The targets tests_pure, tests_timed and tests_<suite> build the program.
+# deep, SERIAL or NETWORK has its own entry. TIMED and SYSTEM name whole suites. The name of a suite is that of one
+# program only. Values of PROPERTIES have no spaces. The targets tests_pure, tests_timed and tests_<suite> build the program.
 set(HGROS_TEST_LISTS TIMED SYSTEM DEEP SERIAL NETWORK)
 function(hgros_discover TARGET LABEL)
   cmake_parse_arguments(ARG "" "" "${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})

@@ -4,8 +4,8 @@
 # source with SKIP_UNITY_BUILD_INCLUSION or with compiler settings of its own.
 #
 # The groups are written here, not by CMake's own unity build, which includes each source by its absolute path: a group
-# would then differ between two checkouts, and ccache could not share its object. They include it by its path in the
-# repository, which is also what the compiler and failed tests print.
+# would then differ between two checkouts, and ccache could not share its object. They include it by its path from
+# the root, so what the compiler and failed tests print is short.
 set(HGROS_UNITY 64 CACHE STRING "How many sources are compiled as one; 0 or 1: each is compiled alone")
 set(HGROS_EDITED "" CACHE STRING "Sources that are compiled alone, as absolute paths")
 

@@ -81,6 +81,8 @@ def included_path(root, path, quote, name):
         return pathlib.PurePosixPath((root / path).parent.joinpath(name).resolve().relative_to(root).as_posix())
     if name.split("/")[0] in LAYER_OF:
         return pathlib.PurePosixPath("src", name)
+    if name.split("/")[0] in ("src", "include", "apps", "bindings"):  # Groups of sources need the root as a folder of includes.
+        return pathlib.PurePosixPath(name)
     return None
 
 

@@ -60,6 +60,10 @@ class LayersTest(Tree):
         self.write("src/session/session.cpp", '#include "../graph/ring.hpp"\n')
         self.assert_one_fault("src/session/session.cpp", 1, "private to graph")
 
+    def test_a_private_header_reached_from_the_root_is_a_fault(self):
+        self.write("src/session/session.cpp", '#include "src/graph/ring.hpp"\n')
+        self.assert_one_fault("src/session/session.cpp", 1, "private to graph")
+
     def test_a_private_header_in_a_public_one_is_a_fault(self):
         self.write("include/hgros/graph/graph.hpp", '#include "graph/ring.hpp"\n')
         self.assert_one_fault("include/hgros/graph/graph.hpp", 1, "which is private")

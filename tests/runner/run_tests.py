@@ -37,6 +37,12 @@ def first_failing_line(reason, output):
     return f"{reason}: {lines[-1] if lines else 'no output'}"
 
 
+def failed_test(name, output):
+    """The first test of a suite that failed, or the entry's own name."""
+    found = re.search(r"^\[  FAILED  \] ([^\s,]+)", output, re.M)
+    return found.group(1) if found else name
+
+
 def seed_of(output):
     found = SEED.search(output)
     return "seed " + found.group(1) if found else "no seed"
@@ -90,10 +96,14 @@ class Build:
         return ctest.returncode, {name: (reason, outputs.get(name, "")) for name, reason in reasons.items()}
 
     def skipped(self):
-        """Tests of GoogleTest that said why they cannot run here, while others of their suite ran."""
+        """For each reason that tests of GoogleTest gave for not running: a line with the first of them."""
         log = self.folder / "Testing" / "Temporary" / "LastTest.log"
         text = log.read_text(errors="replace") if log.exists() else ""
-        return re.findall(r"^\[  SKIPPED \] (\S+) \(\d+ ms\)$", text, re.M)
+        tests = {}
+        for reason, name in re.findall(r": Skipped\n(.*)\n(?:(?!\[).*\n)*\[  SKIPPED \] (\S+) \(\d+ ms\)\n", text):
+            tests.setdefault(reason, []).append(name)
+        return [f"Skipped: {names[0]}{f' and {len(names) - 1} more' if names[1:] else ''}: {reason}"
+                for reason, names in tests.items()]
 
     def labels(self):
         listing = subprocess.run(["ctest", "--test-dir", self.folder, "--show-only=json-v1"], capture_output=True, check=True)
@@ -115,8 +125,7 @@ def why_not_repeated(name, reason, output, labels):
 def run(folder, jobs, arguments, strict):
     build = Build(folder)
     code, failed = build.run(["-j", jobs] + arguments)
-    if skipped := build.skipped():
-        print(f"\nSkipped, as Testing/Temporary/LastTest.log explains: {', '.join(skipped)}")
+    print("\n" + "\n".join(build.skipped()))
     if code == 0 or strict or not failed:
         return code
     if len(failed) > MOST_REPEATED:
@@ -131,7 +140,7 @@ def run(folder, jobs, arguments, strict):
     for name, first in failed.items():
         if not passes_alone(build, name, labels):
             break
-        unstable.append(f"UNSTABLE {name}, {seed_of(first[1])}, {first_failing_line(*first)}")
+        unstable.append(f"UNSTABLE {failed_test(name, first[1])}, {seed_of(first[1])}, {first_failing_line(*first)}")
     else:
         code = 0
     print()

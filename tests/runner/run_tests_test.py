@@ -56,6 +56,15 @@ class RunTestsTest(unittest.TestCase):
         self.assertEqual((self.code, self.runs("Load.Once"), self.runs("Load.Twice"), self.runs("good")), (0, 2, 3, 1))
         self.assertEqual(self.waits.call_count, 3)
 
+    def test_of_a_suite_the_test_that_failed_is_unstable(self):
+        self.add("Suite", failures=1, output=FAILURE + "\n[  FAILED  ] Suite.Second, where GetParam() = 2 (3 ms)\n")
+        self.assertIn("UNSTABLE Suite.Second, seed 42, /src/tests/planted_test.cpp:7: Failure", self.run_all())
+
+    def test_skipped_tests_are_listed_by_reason(self):
+        skip = "[ RUN      ] S.{0}\na_test.cpp:3: Skipped\nno root\n\n[  SKIPPED ] S.{0} (0 ms)\n"
+        self.add("S", failures=1, output="".join(skip.format(name) for name in "ABC"), end="exit 0")
+        self.assertIn("\nSkipped: S.A and 2 more: no root\n", self.run_all())
+
     def test_three_failures_of_one_test_fail_the_run(self):
         self.add("wrong", failures=3)
         self.add("good", failures=0)
