@@ -93,7 +93,7 @@ TEST(ZmqCurve, RefusesClientsWithoutKeysOrWithAnotherServersKey) {
   EXPECT_TRUE(Eventually([&] { return server.Said("127.0.0.1 cannot connect to " + endpoint + ": it has no keys"); }));
   EXPECT_TRUE(Eventually([&] { return server.Said("it has a wrong public key for this session"); }));
   EXPECT_GE(server.transport->refused_handshakes(), 2u);
-  EXPECT_FALSE(right.Said("No connection to"));
+  EXPECT_FALSE(right.Said("key"));
 }
 
 TEST(ZmqCurve, LogsThatAPublisherDoesNotEncrypt) {
