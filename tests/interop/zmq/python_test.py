@@ -146,15 +146,14 @@ class RobotTest(unittest.TestCase):
             "hgros/snapshots": ("hgros.Snapshot", wire.PROTOBUF, 0),
             "hgros/trace": ("hgros.Trace", wire.PROTOBUF, 0)}
 
-        def read_heads(packets):
-            return [wire.read_packet(frames, "foxglove.Log", wire.PROTOBUF)[0] for frames in packets]
+        def enough(some):  # Also the text that caused the last echo: it may come after it, on another channel.
+            if any(len(packets) < 2 for packets in some.values()):
+                return False
+            texts, echoes = ([wire.read_packet(frames, *kinds["text"][:2])[0] for frames in some[channel]]
+                             for channel in ("text", "echo"))
+            return echoes[-1]["cause"] in [wire.key_of(head) for head in texts]
 
-        def known_causes(some):  # A text causes an echo, which may come before it: they are two channels.
-            return {head["cause"] for head in read_heads(some["echo"])} & {
-                wire.key_of(head) for head in read_heads(some["text"])}
-
-        packets = self.receive(
-            kinds, lambda some: all(len(packets) > 1 for packets in some.values()) and known_causes(some))
+        packets = self.receive(kinds, enough)
         heads = {}
         for channel, (type_name, encoding, fingerprint) in kinds.items():
             read = [wire.read_packet(frames, type_name, encoding) for frames in packets[channel]]
