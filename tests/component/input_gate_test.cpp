@@ -175,7 +175,7 @@ TEST_P(LosslessInputGate, ManyThatWaitAgainHoldUpNoThread) {
   pass_ = true;
   pass_.notify_all();
   ASSERT_TRUE(Await([&] { return handled().size() == 1; }));
-  for (int i = 10; i < 15; ++i) ASSERT_TRUE(Publish(i));
+  for (int i = 10; i < 15; ++i) ASSERT_TRUE(Await([&] { return Publish(i); })) << i;
   EXPECT_FALSE(Publish(15)) << "those before it wait in the queue";
   LetAllPass();
   ASSERT_TRUE(Await([&] { return handled().size() == 15; }));

@@ -177,7 +177,8 @@ TEST_F(ZmqCurveIdentity, AClientCannotSpeakInTheNameOfAnotherSession) {
   EXPECT_EQ(out->subscriber_count(), 1u);
 }
 
-TEST_F(ZmqCurveIdentity, AClientCannotSubscribeToWhatIsForAnotherSession) {
+// It may see what is sent until its filter was read, see docs/decisions/0008-filters-are-whole-topics.md.
+TEST_F(ZmqCurveIdentity, AClientThatSubscribesToWhatIsForAnotherSessionIsClosed) {
   for (const std::string& topic : {zmq::ControlTopic(victim), PeerTopic("scan", victim)}) {
     const std::uint64_t before = Refusals(server);
     const Impostor impostor(ZMQ_XSUB, keys.stranger);
@@ -186,7 +187,6 @@ TEST_F(ZmqCurveIdentity, AClientCannotSubscribeToWhatIsForAnotherSession) {
     impostor.socket.Send({'\1' + topic});
     EXPECT_TRUE(Eventually([&] { return Refusals(server) > before; }));
     EXPECT_FALSE(monitor.Receive().empty()) << "its connection is closed";
-    EXPECT_TRUE(impostor.socket.Receive(100).empty());
   }
   Publish("to one");
   EXPECT_TRUE(Eventually([&] { return sink.count() == 1; }));

@@ -1,8 +1,12 @@
 // The end of a pair, and the order in which pairs are read.
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -18,7 +22,7 @@ namespace {
 using conformance::TextType;
 using test::Await;
 
-constexpr auto kTimeout = std::chrono::milliseconds(1000);
+constexpr auto kTimeout = std::chrono::milliseconds(2000);
 
 /// Notes the order of messages. If there is a door, the first message waits at it.
 class OrderSink : public InboundSink {
@@ -59,8 +63,38 @@ class ShmPairLife : public testing::Test {
     options.place = place;
     options.heartbeat = std::chrono::milliseconds(50);
     options.peer_timeout = kTimeout;
+    options.limit_bytes = 0;  // What it publishes goes over the sockets.
     reader = MakeShmTransport(options, listener, log);
     lies = reader->Subscribe("lies", TextType(), {.credit_messages = 256, .credit_bytes = 1 << 20}, sink);
+  }
+  /// Subscribes to the channel `out`.
+  static bool Subscribe(FalsePeer& peer, std::uint64_t bytes = 10'000) {
+    wire::PairMessage said;
+    auto& wish = *said.mutable_wish();
+    WriteType("out", TextType(), *wish.mutable_wanted());
+    wish.set_link(1);
+    wish.set_cell(1);
+    wish.set_lossless(true);
+    wish.set_credit_messages(4);
+    wish.set_credit_bytes(bytes);
+    const bool met = peer.Meet();
+    peer.Say(said);
+    return met && peer.ReadUntil(wire::PairMessage::kGranted);
+  }
+  /// Calls `act` every few milliseconds until a peer that begins now, and then does nothing, was silent for too long. A
+  /// peer that beats no more, and whose acts are no sign of life, goes no later than that one.
+  void ActUntilAnotherIsTooSilent(const std::function<void()>& act) {
+    FalsePeer silent(place);
+    ASSERT_TRUE(silent.Meet());
+    const auto is_peer = [&] {
+      const auto peers = reader->Peers();
+      return std::ranges::any_of(peers, [&](const PeerInfo& peer) { return peer.id == silent.id(); });
+    };
+    ASSERT_TRUE(Await(is_peer));
+    ASSERT_TRUE(Await([&] {
+      act();
+      return !is_peer();
+    }));
   }
   /// From now on the reading thread waits at the door.
   void HoldReader() {
@@ -103,27 +137,51 @@ class ShmPairLife : public testing::Test {
 TEST_F(ShmPairLife, ASlowPayloadDoesNotCountAsSilence) {
   FalsePeer peer(place);
   ASSERT_TRUE(peer.Publish(4, 1 << 20));
-  constexpr std::size_t kPieces = 30;
-  constexpr std::size_t kPiece = 1000;
+  const std::string data(90'000, 'x');
   wire::PairMessage said;
   said.mutable_payload()->set_link(peer.wish.link());
   said.mutable_payload()->set_number(1);
-  said.mutable_payload()->set_data(std::string(kPieces * kPiece, 'x'));
+  said.mutable_payload()->set_data(data);
   std::string frame(8, '\0');
   said.AppendToString(&frame);
   const auto length = static_cast<std::uint32_t>(frame.size() - 8);
   std::memcpy(frame.data(), &length, sizeof length);
   Descriptor next = peer.NextMessage();
   next.segment = kOnSocket;
-  next.size_bytes = kPieces * kPiece;
+  next.size_bytes = data.size();
   peer.Write(next);
-  // From now on its heartbeat stands still; it sends only pieces of the frame.
-  for (std::size_t sent = 0; sent < frame.size(); sent += kPiece) {
-    peer.SayRaw(frame.substr(sent, kPiece));
-    test::Linger(kTimeout / 10);
-  }
+  // From now on its heartbeat stands still; it sends only single bytes of the frame.
+  std::size_t sent = 0;
+  ActUntilAnotherIsTooSilent([&] { peer.SayRaw(frame.substr(sent++, 1)); });
+  peer.SayRaw(frame.substr(sent));
   EXPECT_TRUE(Await([&] { return sink.came().size() == 1; }));
-  EXPECT_EQ(listener.gone, 0);
+  EXPECT_EQ(listener.gone, 1);
+}
+
+TEST_F(ShmPairLife, ASlowReaderOfALargeMessageDoesNotCountAsSilent) {
+  const auto out = reader->Advertise("out", TextType(), source);
+  constexpr std::size_t kSize = 64 << 20;
+  FalsePeer peer(place);
+  ASSERT_TRUE(Subscribe(peer, kSize));
+  const auto data = std::make_shared<const std::string>(kSize, 'x');
+  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+  PacketHead head;
+  head.id = {0, 1, 1};
+  out->Commit(head, {AsBytes(*data), data});
+  // From now on its heartbeat stands still; it only reads.
+  std::string room(1 << 20, '\0');
+  std::size_t received = 0;
+  const auto receive = [&](std::size_t most) {
+    received += static_cast<std::size_t>(
+        std::max(recv(peer.socket().handle()->fd(), room.data(), most, MSG_DONTWAIT), ssize_t{0}));
+  };
+  ActUntilAnotherIsTooSilent([&] { receive(16'384); });
+  EXPECT_LT(received, kSize) << "it was to be slow";
+  EXPECT_TRUE(Await([&] {
+    receive(room.size());
+    return received > kSize;
+  }));
+  EXPECT_EQ(listener.gone, 1);
 }
 
 /// Keeps the unconfirmed messages of subscribers that may still be alive.
@@ -138,26 +196,13 @@ struct KeepingSource final : conformance::Source {
 TEST_F(ShmPairLife, SourceKeepsMessagesForALostPeerButNotForASilentOne) {
   KeepingSource keeping;
   const auto out = reader->Advertise("out", TextType(), keeping);
-  const auto subscribe = [](FalsePeer& peer) {
-    wire::PairMessage said;
-    auto& wish = *said.mutable_wish();
-    WriteType("out", TextType(), *wish.mutable_wanted());
-    wish.set_link(1);
-    wish.set_cell(1);
-    wish.set_lossless(true);
-    wish.set_credit_messages(4);
-    wish.set_credit_bytes(10'000);
-    const bool met = peer.Meet();
-    peer.Say(said);
-    return met && peer.ReadUntil(wire::PairMessage::kGranted);
-  };
   FalsePeer silent(place);
-  ASSERT_TRUE(subscribe(silent));
+  ASSERT_TRUE(Subscribe(silent));
   EXPECT_EQ(out->subscriber_count(), 1U);
   ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; })) << "its heartbeat stands still";
   EXPECT_EQ(keeping.cuts, 0);
   FalsePeer lost(place);
-  ASSERT_TRUE(subscribe(lost));
+  ASSERT_TRUE(Subscribe(lost));
   lost.Hang();
   ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; }));
   EXPECT_EQ(keeping.cuts, 1);

@@ -335,34 +335,6 @@ TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
   EXPECT_EQ(recv(knocking, &byte, 1, 0), 1) << "no peer has greeted";
 }
 
-// Both sides are busy with the bytes for longer than their peer may be silent.
-TEST_F(ShmTransportTest, ALargeMessageOverTheSocketIsASignOfLife) {
-  ShmOptions options;
-  options.heartbeat = std::chrono::milliseconds(50);
-  options.peer_timeout = std::chrono::milliseconds(250);
-  options.limit_bytes = 0;
-  Connect(options);
-  constexpr std::size_t kSize = 400 << 20;
-  const auto data = std::make_shared<const std::string>(kSize, 'x');
-  // A busy machine may keep one of the threads from running for so long. That does not happen each time.
-  bool whole = false;
-  for (std::uint64_t attempt = 1; attempt <= 5 && !whole; ++attempt) {
-    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
-    keeper.LetGo();
-    const int gone = listener.gone;
-    ASSERT_TRUE(Await([&] { return outbound->Reserve() == PublishStatus::kOk; }));
-    PacketHead head;
-    head.id = {0, 1, ++sequence};
-    outbound->Commit(head, {AsBytes(*data), data});
-    ASSERT_TRUE(Await([&] { return !keeper.kept().empty() || listener.gone > gone; }));
-    whole = listener.gone == gone;
-    if (!whole) continue;
-    EXPECT_EQ(keeper.kept()[0].data.bytes.size(), kSize);
-    EXPECT_EQ(publisher->usage().sent_apart, attempt);
-  }
-  EXPECT_TRUE(whole) << "its bytes are no sign of life";
-}
-
 class ShmMessageLimit : public ShmTransportTest, public testing::WithParamInterface<std::uint64_t> {
  protected:
   void SetUp() override {
