@@ -35,7 +35,7 @@ class Bridged : private TransportListener {
     options.zmq.session = id_;
     options.zmq.process = "bridged";
     options.zmq.heartbeat = std::chrono::milliseconds(100);
-    options.zmq.peer_timeout = std::chrono::milliseconds(1000);
+    options.zmq.peer_timeout = std::chrono::milliseconds(2000);
     options.more_transports = {test::GatedEntry("pipe", "a pipe", 20, options.zmq.session, gates.pipe),
                                test::GatedEntry("loop", "a loop", 10, options.zmq.session, gates.loop)};
     options.registry.emplace().domain = std::getenv("HGROS_DOMAIN");

@@ -46,7 +46,7 @@ inline std::string Both(const std::string& publish, const std::string& subscribe
          "}";
 }
 
-/// Settings with which silent peers are dropped soon.
-inline constexpr const char* kImpatient = ", heartbeat_ms: 100, peer_timeout_ms: 500";
+/// Settings with which silent peers are dropped soon, but none whose threads a busy machine does not run for a second.
+inline constexpr const char* kImpatient = ", heartbeat_ms: 100, peer_timeout_ms: 2000";
 
 }  // namespace hgros::resilience

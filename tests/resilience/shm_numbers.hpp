@@ -34,7 +34,7 @@ inline ShmOptions NumberOptions(const std::string& process) {
   ShmOptions options;
   options.process = process;
   options.heartbeat = std::chrono::milliseconds(100);
-  options.peer_timeout = std::chrono::milliseconds(1000);
+  options.peer_timeout = std::chrono::milliseconds(2000);
   options.limit_bytes = 16 << 20;
   options.linger = std::chrono::milliseconds(100);
   return options;

@@ -83,7 +83,7 @@ TEST(StoppedSubscriber, IsNamedWithTheNumberOfLosslessMessagesThatItMissed) {
   for (const bool ipc : {true, false}) {
     setenv("HGROS_DOMAIN", ipc ? "none" : ("test-" + SessionId::Random().ToString()).c_str(), 1);
     const std::string bus = folder.Endpoint("bus");
-    const std::string shared = "--config=network: {heartbeat_ms: 100, peer_timeout_ms: 500}";
+    const std::string shared = "--config=network: {heartbeat_ms: 100, peer_timeout_ms: 2000}";
     const WorkerProcess publisher(
         {ipc ? Publishing(bus, kImpatient) : shared, "--out=images", "--await=1", "--size=4096"});
     const WorkerProcess stopped({ipc ? Subscribing(bus, kImpatient) : shared, "--in=images", "--keep-all=16"});

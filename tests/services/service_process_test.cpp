@@ -113,7 +113,7 @@ TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
 // The caller notices the end of a killed server on another host only after a peer timeout.
 TEST_F(KilledServer, IsNotSaidToServeBesideTheOneThatReplacesIt) {
   Robot robot(
-      "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, heartbeat_ms: 100, peer_timeout_ms: 1500}\n"
+      "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, heartbeat_ms: 100, peer_timeout_ms: 2000}\n"
       "discovery: {local: false}\n",
       "caller");
   const std::string yaml = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, subscribers: [{ip: '" +

@@ -138,7 +138,7 @@ class MovingPeer : public test::DomainFixture {
     NodeOptions options;
     options.queue = queue;
     listener.emplace("network: {subscribers: [" + bus.Subscriber("late") +
-                     "], heartbeat_ms: 100, peer_timeout_ms: 1000}\n");
+                     "], heartbeat_ms: 100, peer_timeout_ms: 2000}\n");
     subscription = (*listener)->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes), options);
     talker.emplace(std::getenv("HGROS_DOMAIN"), bus.Endpoint("late"));
     ASSERT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "over ZeroMQ, after two seconds";
