@@ -126,7 +126,7 @@ TEST(CallCodec, ReadsAndWritesLikeTheGeneratedClass) {
     call.reply_type.assign(random() % 3 == 0 ? 0 : random() % 600, 'r');
     call.cancelled = random() % 2 == 0;
     call.outcome = static_cast<CallMessage::Outcome>(random() % 6);
-    call.text.assign(random() % 3 == 0 ? 0 : random() % 20'000, '\xFF');
+    call.text.assign(random() % 3 == 0 ? 0 : random() % (round % 16 == 0 ? 20'000 : 300), '\xFF');
     const std::string head = GeneratedHead(call).SerializeAsString();
     const Payload written = CallTypeOf<Vector3>().encode(std::make_shared<const CallMessage>(call));
     ASSERT_EQ(AsText(written.bytes), WithHead(head, "")) << round;

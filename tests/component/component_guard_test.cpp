@@ -59,8 +59,7 @@ TEST(ComponentGuardTest, SavesBetweenCallbacksThatFollowEachOtherWithoutAPause) 
     threads.emplace_back([&] {
       while (!ends) {
         guard.Run([&] {
-          const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(2);
-          while (std::chrono::steady_clock::now() < until) std::this_thread::yield();
+          Linger(std::chrono::milliseconds(2));
           guard.Run([&] { ++ran; });
         });
       }

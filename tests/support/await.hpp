@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -14,15 +15,17 @@ inline constexpr auto kPatience = std::chrono::seconds(60);
 inline constexpr auto kPatience = std::chrono::seconds(45);
 #endif
 
-/// Waits until `predicate` is true, checking every millisecond. False after `patience`.
+/// Waits until `predicate` is true, checking every millisecond, and after a while every 5 ms. False after `patience`.
 inline bool Await(const std::function<bool()>& predicate, std::chrono::nanoseconds patience = kPatience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
+  using std::chrono::milliseconds;
+  const auto begun = std::chrono::steady_clock::now();
   std::mutex mutex;
   std::condition_variable never;
   while (!predicate()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
+    const auto waited = std::chrono::steady_clock::now() - begun;
+    if (waited > patience) return false;
     std::unique_lock lock(mutex);
-    never.wait_for(lock, std::chrono::milliseconds(1));
+    never.wait_for(lock, std::clamp<std::chrono::nanoseconds>(waited / 16, milliseconds(1), milliseconds(5)));
   }
   return true;
 }
