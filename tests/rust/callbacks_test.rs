@@ -17,21 +17,10 @@ fn callbacks_get_messages_in_order() {
     for executor in [Executor::Workers, Executor::Inline, Executor::Dedicated] {
         let channel_name = format!("{executor:?}");
         let (sender, received) = channel();
-        let options = SubscribeOptions {
-            queue: Queue::KeepAll(10),
-            executor,
-            ..SubscribeOptions::default()
-        };
-        let listener = to
-            .on(&channel_name, options, move |log: Log| {
-                sender.send(log.message).unwrap()
-            })
-            .unwrap();
-        let publisher = from
-            .advertise(&channel_name, PublishOptions::default())
-            .unwrap();
-        from.wait_for_subscribers(&channel_name, 1, PATIENCE)
-            .unwrap();
+        let options = SubscribeOptions { queue: Queue::KeepAll(10), executor, ..SubscribeOptions::default() };
+        let listener = to.on(&channel_name, options, move |log: Log| sender.send(log.message).unwrap()).unwrap();
+        let publisher = from.advertise(&channel_name, PublishOptions::default()).unwrap();
+        from.wait_for_subscribers(&channel_name, 1, PATIENCE).unwrap();
         for number in 0..100 {
             publisher.publish_wait(&log_of(number), PATIENCE).unwrap();
         }
@@ -47,86 +36,51 @@ fn callbacks_get_messages_in_order() {
 fn a_message_of_a_callback_can_be_kept() {
     let session = session("kept");
     let (sender, kept) = channel();
-    let _listener = session
-        .on_raw("words", None, Queue::default(), move |message| {
-            sender.send(message.clone()).unwrap()
-        })
-        .unwrap();
-    let publisher = session
-        .advertise("words", PublishOptions::default())
-        .unwrap();
+    let _listener =
+        session.on_raw("words", None, Queue::default(), move |message| sender.send(message.clone()).unwrap()).unwrap();
+    let publisher = session.advertise("words", PublishOptions::default()).unwrap();
     publisher.publish(&log_of("kept")).unwrap();
-    assert_eq!(
-        kept.recv_timeout(PATIENCE)
-            .unwrap()
-            .decode::<Log>()
-            .unwrap()
-            .message,
-        "kept"
-    );
+    assert_eq!(kept.recv_timeout(PATIENCE).unwrap().decode::<Log>().unwrap().message, "kept");
 }
 
 #[test]
 fn a_panic_in_a_callback_is_reported_and_counted() {
     let (log, said) = lines();
-    let session = Session::builder()
-        .log(log)
-        .open(&configuration("panic"))
-        .unwrap();
+    let session = Session::builder().log(log).open(&configuration("panic")).unwrap();
     let (sender, received) = channel();
     let _listener = session
-        .on("words", Queue::KeepAll(10), move |log: Log| {
-            match log.get_message() {
-                "panic" => panic!("a mouse"),
-                text => sender.send(text.to_owned()).unwrap(),
-            }
+        .on("words", Queue::KeepAll(10), move |log: Log| match log.get_message() {
+            "panic" => panic!("a mouse"),
+            text => sender.send(text.to_owned()).unwrap(),
         })
         .unwrap();
-    let publisher = session
-        .advertise("words", PublishOptions::default())
-        .unwrap();
+    let publisher = session.advertise("words", PublishOptions::default()).unwrap();
     for text in ["panic", "next", "panic"] {
         publisher.publish(&log_of(text)).unwrap();
     }
     assert_eq!(received.recv_timeout(PATIENCE).unwrap(), "next");
     session.wait_idle(PATIENCE).unwrap();
     assert_eq!(session.callback_failures(), 2);
-    assert_eq!(
-        said.recv_timeout(PATIENCE).unwrap(),
-        "The callback of channel \"words\" panicked: a mouse"
-    );
+    assert_eq!(said.recv_timeout(PATIENCE).unwrap(), "The callback of channel \"words\" panicked: a mouse");
 }
 
 #[test]
 fn a_message_that_a_callback_cannot_get_is_reported_and_counted() {
     let (log, said) = lines();
-    let session = Session::builder()
-        .log(log)
-        .open(&configuration("unreadable-callback"))
-        .unwrap();
-    let _listener = session
-        .on("words", Queue::KeepAll(10), |_: Log| panic!("called"))
-        .unwrap();
+    let session = Session::builder().log(log).open(&configuration("unreadable-callback")).unwrap();
+    let _listener = session.on("words", Queue::KeepAll(10), |_: Log| panic!("called")).unwrap();
     let schema = Schema::of::<Log>().unwrap();
-    let publisher = session
-        .advertise_raw("words", &schema, PublishOptions::default())
-        .unwrap();
+    let publisher = session.advertise_raw("words", &schema, PublishOptions::default()).unwrap();
     publisher.publish(&[3 << 3 | 2, 100]).unwrap();
     session.wait_idle(PATIENCE).unwrap();
     assert_eq!(session.callback_failures(), 1);
-    assert!(said
-        .recv_timeout(PATIENCE)
-        .unwrap()
-        .contains("foxglove.Log cannot be read"));
+    assert!(said.recv_timeout(PATIENCE).unwrap().contains("foxglove.Log cannot be read"));
 }
 
 #[test]
 fn a_panic_in_the_log_is_counted() {
     let log = |_: hgros::Level, _: &str| panic!("the pen broke");
-    let session = Session::builder()
-        .log(log)
-        .open(&configuration("panic-log"))
-        .unwrap();
+    let session = Session::builder().log(log).open(&configuration("panic-log")).unwrap();
     session.log(hgros::Level::Error, "Write this.").unwrap();
     wait_until("the panic is counted", || session.callback_failures() == 1);
 }
@@ -143,9 +97,7 @@ impl Drop for Fragile {
 fn a_closure_may_panic_when_it_is_destroyed() {
     let session = session("fragile");
     let fragile = Fragile;
-    let listener = session
-        .on("words", Queue::default(), move |_: Log| drop(&fragile))
-        .unwrap();
+    let listener = session.on("words", Queue::default(), move |_: Log| drop(&fragile)).unwrap();
     drop(listener);
     assert_eq!(session.callback_failures(), 1);
 }
@@ -164,9 +116,7 @@ fn a_listener_may_be_dropped_inside_its_callback() {
     });
     *guard = Some(listener.unwrap());
     drop(guard);
-    let publisher = session
-        .advertise("words", PublishOptions::default())
-        .unwrap();
+    let publisher = session.advertise("words", PublishOptions::default()).unwrap();
     publisher.publish(&log_of(1)).unwrap();
     publisher.publish(&log_of(2)).unwrap();
     assert_eq!(received.recv_timeout(PATIENCE).unwrap(), "called");
@@ -185,9 +135,7 @@ fn a_callback_may_publish_and_end_its_session() {
         publisher.publish(&log).unwrap();
         inner.end();
     });
-    let words = session
-        .advertise("words", PublishOptions::default())
-        .unwrap();
+    let words = session.advertise("words", PublishOptions::default()).unwrap();
     words.publish(&log_of("x")).unwrap();
     wait_until("the session ends", || match queue.recv_timeout(PATIENCE) {
         Ok(log) => log.message != "x",
@@ -196,23 +144,15 @@ fn a_callback_may_publish_and_end_its_session() {
     assert_eq!(status_of(words.publish(&log_of("y"))), Status::Closed);
     drop(listener);
     assert_eq!(session.callback_failures(), 0);
-    Arc::try_unwrap(session)
-        .ok()
-        .expect("the callback and its session are gone");
+    Arc::try_unwrap(session).ok().expect("the callback and its session are gone");
 }
 
 #[test]
 fn a_callback_may_own_its_session() {
     let session = Arc::new(session("owner"));
     let inner = Arc::clone(&session);
-    let listener = session
-        .on("words", Queue::default(), move |_: Log| {
-            assert!(inner.id() != 0)
-        })
-        .unwrap();
-    let publisher = session
-        .advertise("words", PublishOptions::default())
-        .unwrap();
+    let listener = session.on("words", Queue::default(), move |_: Log| assert!(inner.id() != 0)).unwrap();
+    let publisher = session.advertise("words", PublishOptions::default()).unwrap();
     publisher.publish(&log_of(1)).unwrap();
     session.wait_idle(PATIENCE).unwrap();
     drop(session);
@@ -232,16 +172,12 @@ fn a_handler_may_own_its_session() {
             Err("no id")
         }
     };
-    let service = session
-        .serve("same", hgros::ServeOptions::default(), handler)
-        .unwrap();
+    let service = session.serve("same", hgros::ServeOptions::default(), handler).unwrap();
     let reply: Log = session.call("same", &log_of("x"), PATIENCE).unwrap();
     assert_eq!(reply.message, "x");
     let inner = Arc::clone(&session);
     let watch = session.on_peer(move |_| assert!(inner.id() != 0)).unwrap();
-    let publisher = session
-        .advertise("words", PublishOptions::default())
-        .unwrap();
+    let publisher = session.advertise("words", PublishOptions::default()).unwrap();
     drop(session);
     drop(service);
     publisher.publish(&log_of(1)).unwrap();

@@ -25,10 +25,7 @@ fn session(test: &str) -> Session {
 }
 
 fn named_session(test: &str, name: &str) -> Session {
-    Session::builder()
-        .name(name)
-        .open(&configuration(test))
-        .unwrap()
+    Session::builder().name(name).open(&configuration(test)).unwrap()
 }
 
 fn configuration(test: &str) -> String {
@@ -46,12 +43,7 @@ fn log_of(text: impl ToString) -> Log {
 }
 
 /// A publisher and a queue in two sessions, which know each other.
-fn pair(
-    from: &Session,
-    to: &Session,
-    channel: &str,
-    queue: Queue,
-) -> (Publisher<Log>, Subscription<Log>) {
+fn pair(from: &Session, to: &Session, channel: &str, queue: Queue) -> (Publisher<Log>, Subscription<Log>) {
     let subscription = to.subscribe(channel, queue).unwrap();
     let publisher = from.advertise(channel, PublishOptions::default()).unwrap();
     from.wait_for_subscribers(channel, 1, PATIENCE).unwrap();

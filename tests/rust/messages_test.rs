@@ -15,10 +15,7 @@ fn typed_messages_go_from_session_to_session() {
     let (publisher, queue) = pair(&from, &to, "words", Queue::KeepAll(10));
     for number in 0..50 {
         publisher.publish_wait(&log_of(number), PATIENCE).unwrap();
-        assert_eq!(
-            queue.recv_timeout(PATIENCE).unwrap().message,
-            number.to_string()
-        );
+        assert_eq!(queue.recv_timeout(PATIENCE).unwrap().message, number.to_string());
     }
     publisher.publish(&log_of("last")).unwrap();
     let message = queue.take(PATIENCE).unwrap();
@@ -32,18 +29,9 @@ fn typed_messages_go_from_session_to_session() {
 #[test]
 fn generated_types_have_the_schemas_of_the_library() {
     for (made, known) in [
-        (
-            Schema::of::<Log>().unwrap(),
-            Schema::known("foxglove.Log").unwrap(),
-        ),
-        (
-            Schema::of::<PointCloud>().unwrap(),
-            Schema::known("foxglove.PointCloud").unwrap(),
-        ),
-        (
-            Schema::of::<PoseInFrame>().unwrap(),
-            Schema::known("foxglove.PoseInFrame").unwrap(),
-        ),
+        (Schema::of::<Log>().unwrap(), Schema::known("foxglove.Log").unwrap()),
+        (Schema::of::<PointCloud>().unwrap(), Schema::known("foxglove.PointCloud").unwrap()),
+        (Schema::of::<PoseInFrame>().unwrap(), Schema::known("foxglove.PoseInFrame").unwrap()),
     ] {
         assert_eq!(made.type_name(), known.type_name());
         assert_eq!(made.fingerprint(), known.fingerprint());
@@ -59,28 +47,12 @@ fn types_of_my_own_are_generated_with_their_imports() {
     assert!(Schema::of::<Robot_Arm>().unwrap().fingerprint() != 0);
     assert!(Wheel::DESCRIPTOR_SET.len() < Robot::DESCRIPTOR_SET.len());
     let session = session("own-types");
-    let queue = session
-        .subscribe::<Robot>("robots", Queue::default())
-        .unwrap();
-    let publisher = session
-        .advertise("robots", PublishOptions::default())
-        .unwrap();
+    let queue = session.subscribe::<Robot>("robots", Queue::default()).unwrap();
+    let publisher = session.advertise("robots", PublishOptions::default()).unwrap();
     let mut robot = Robot::new();
-    robot.set_built(Timestamp {
-        seconds: 7,
-        ..Timestamp::default()
-    });
-    robot.wheels.push(Wheel {
-        radius: 0.25,
-        ..Wheel::default()
-    });
-    robot.arms.insert(
-        "left".to_owned(),
-        Robot_Arm {
-            name: "l".to_owned(),
-            ..Robot_Arm::default()
-        },
-    );
+    robot.set_built(Timestamp { seconds: 7, ..Timestamp::default() });
+    robot.wheels.push(Wheel { radius: 0.25, ..Wheel::default() });
+    robot.arms.insert("left".to_owned(), Robot_Arm { name: "l".to_owned(), ..Robot_Arm::default() });
     publisher.publish(&robot).unwrap();
     assert_eq!(queue.recv_timeout(PATIENCE).unwrap(), robot);
 }
@@ -88,17 +60,12 @@ fn types_of_my_own_are_generated_with_their_imports() {
 #[test]
 fn the_type_comes_with_the_channel() {
     let (from, to) = (session("comes"), session("comes"));
-    let publisher = from
-        .advertise("words", PublishOptions { latched: 1 })
-        .unwrap();
+    let publisher = from.advertise("words", PublishOptions { latched: 1 }).unwrap();
     publisher.publish(&log_of("hello")).unwrap();
     let queue = to.subscribe_raw("words", None, Queue::default()).unwrap();
     let message = queue.recv_timeout(PATIENCE).unwrap();
     assert_eq!(message.schema().type_name(), "foxglove.Log");
-    assert_eq!(
-        message.schema().fingerprint(),
-        Schema::of::<Log>().unwrap().fingerprint()
-    );
+    assert_eq!(message.schema().fingerprint(), Schema::of::<Log>().unwrap().fingerprint());
     assert_eq!(message.decode::<Log>().unwrap().message, "hello");
 }
 
@@ -106,33 +73,21 @@ fn the_type_comes_with_the_channel() {
 fn raw_bytes_go_from_session_to_session() {
     let (from, to) = (session("raw"), session("raw"));
     let schema = Schema::raw("my.bytes", Encoding::Custom, 0).unwrap();
-    let queue = to
-        .subscribe_raw("bytes", Some(&schema), Queue::KeepAll(10))
-        .unwrap();
-    let publisher = from
-        .advertise_raw("bytes", &schema, PublishOptions::default())
-        .unwrap();
+    let queue = to.subscribe_raw("bytes", Some(&schema), Queue::KeepAll(10)).unwrap();
+    let publisher = from.advertise_raw("bytes", &schema, PublishOptions::default()).unwrap();
     from.wait_for_subscribers("bytes", 1, PATIENCE).unwrap();
     publisher.publish(b"abc").unwrap();
     publisher.publish_wait(&[], PATIENCE).unwrap();
     let first = queue.recv_timeout(PATIENCE).unwrap();
-    assert_eq!(
-        (&first[..], first.schema().encoding()),
-        (&b"abc"[..], Encoding::Custom)
-    );
+    assert_eq!((&first[..], first.schema().encoding()), (&b"abc"[..], Encoding::Custom));
     assert!(queue.recv_timeout(PATIENCE).unwrap().is_empty());
-    assert_eq!(
-        status_of(Schema::raw("zero\0byte", Encoding::Custom, 0)),
-        Status::InvalidArgument
-    );
+    assert_eq!(status_of(Schema::raw("zero\0byte", Encoding::Custom, 0)), Status::InvalidArgument);
 }
 
 #[test]
 fn a_late_subscriber_gets_what_is_latched() {
     let (from, to) = (session("late"), session("late"));
-    let publisher = from
-        .advertise("words", PublishOptions { latched: 2 })
-        .unwrap();
+    let publisher = from.advertise("words", PublishOptions { latched: 2 }).unwrap();
     for word in ["a", "b", "c"] {
         publisher.publish(&log_of(word)).unwrap();
     }
@@ -144,18 +99,10 @@ fn a_late_subscriber_gets_what_is_latched() {
 #[test]
 fn another_type_in_this_session_is_refused() {
     let session = session("refused");
-    let _poses = session
-        .subscribe::<Pose>("words", Queue::default())
-        .unwrap();
-    let error = session
-        .advertise::<Log>("words", PublishOptions::default())
-        .map(drop)
-        .unwrap_err();
+    let _poses = session.subscribe::<Pose>("words", Queue::default()).unwrap();
+    let error = session.advertise::<Log>("words", PublishOptions::default()).map(drop).unwrap_err();
     assert_eq!(error.status(), Status::TypeMismatch);
-    assert!(
-        error.sentence().contains("foxglove.Log") && error.sentence().contains("foxglove.Pose"),
-        "{error}"
-    );
+    assert!(error.sentence().contains("foxglove.Log") && error.sentence().contains("foxglove.Pose"), "{error}");
 }
 
 #[test]
@@ -178,22 +125,15 @@ fn another_type_of_another_session_is_counted_and_reported() {
     });
     let (channel, reason) = reasons.recv_timeout(PATIENCE).unwrap();
     assert_eq!(channel, "words");
-    assert!(
-        reason.contains("foxglove.Log") && reason.contains("foxglove.Pose"),
-        "{reason}"
-    );
+    assert!(reason.contains("foxglove.Log") && reason.contains("foxglove.Pose"), "{reason}");
 }
 
 #[test]
 fn a_large_message_is_written_and_read_in_place() {
     const SIZE: usize = 4 << 20;
     let (from, to) = (session("large"), session("large"));
-    let queue = to
-        .subscribe::<PointCloud>("clouds", Queue::KeepAll(2))
-        .unwrap();
-    let publisher = from
-        .advertise::<PointCloud>("clouds", PublishOptions::default())
-        .unwrap();
+    let queue = to.subscribe::<PointCloud>("clouds", Queue::KeepAll(2)).unwrap();
+    let publisher = from.advertise::<PointCloud>("clouds", PublishOptions::default()).unwrap();
     from.wait_for_subscribers("clouds", 1, PATIENCE).unwrap();
     let mut cloud = PointCloud::new();
     cloud.set_frame_id("lidar".to_owned());
@@ -213,9 +153,7 @@ fn loans_are_filled_and_published_in_place() {
     let (from, to) = (session("loan"), session("loan"));
     let schema = Schema::raw("my.bytes", Encoding::Custom, 0).unwrap();
     let queue = to.subscribe_raw("bytes", None, Queue::KeepAll(1)).unwrap();
-    let publisher = from
-        .advertise_raw("bytes", &schema, PublishOptions::default())
-        .unwrap();
+    let publisher = from.advertise_raw("bytes", &schema, PublishOptions::default()).unwrap();
     from.wait_for_subscribers("bytes", 1, PATIENCE).unwrap();
     let mut loan = publisher.loan(1 << 20).unwrap();
     loan.fill(7);
@@ -224,15 +162,7 @@ fn loans_are_filled_and_published_in_place() {
     second.copy_from_slice(b"abc");
     let not_published = second.publish(BRIEFLY).unwrap_err();
     assert_eq!(not_published.error.status(), Status::TimedOut);
-    assert_eq!(
-        queue
-            .recv_timeout(PATIENCE)
-            .unwrap()
-            .iter()
-            .filter(|&&byte| byte == 7)
-            .count(),
-        1 << 20
-    );
+    assert_eq!(queue.recv_timeout(PATIENCE).unwrap().iter().filter(|&&byte| byte == 7).count(), 1 << 20);
     not_published.loan.publish(PATIENCE).unwrap();
     assert_eq!(&queue.recv_timeout(PATIENCE).unwrap()[..], b"abc");
     assert_eq!(publisher.loan(0).unwrap().len(), 0);
@@ -247,22 +177,16 @@ fn a_message_outlives_its_queue_and_its_session() {
     let copy = message.clone();
     assert_eq!(message.as_ptr(), copy.as_ptr());
     drop((message, queue, publisher, session));
-    let text = std::thread::spawn(move || copy.decode::<Log>().unwrap().message)
-        .join()
-        .unwrap();
+    let text = std::thread::spawn(move || copy.decode::<Log>().unwrap().message).join().unwrap();
     assert_eq!(text, "kept");
 }
 
 #[test]
 fn a_message_that_cannot_be_read_is_an_error() {
     let session = session("unreadable");
-    let queue = session
-        .subscribe_raw("words", None, Queue::default())
-        .unwrap();
+    let queue = session.subscribe_raw("words", None, Queue::default()).unwrap();
     let schema = Schema::of::<Log>().unwrap();
-    let publisher = session
-        .advertise_raw("words", &schema, PublishOptions::default())
-        .unwrap();
+    let publisher = session.advertise_raw("words", &schema, PublishOptions::default()).unwrap();
     publisher.publish(&[3 << 3 | 2, 100, b'x']).unwrap(); // 100 bytes, of which one is there.
     let message: Message = queue.recv_timeout(PATIENCE).unwrap();
     let error = message.decode::<Log>().unwrap_err();
@@ -274,13 +198,9 @@ fn a_message_that_cannot_be_read_is_an_error() {
 #[test]
 fn fields_are_found_between_groups() {
     let session = session("groups");
-    let queue = session
-        .subscribe_raw("words", None, Queue::KeepAll(10))
-        .unwrap();
+    let queue = session.subscribe_raw("words", None, Queue::KeepAll(10)).unwrap();
     let schema = Schema::of::<Log>().unwrap();
-    let publisher = session
-        .advertise_raw("words", &schema, PublishOptions::default())
-        .unwrap();
+    let publisher = session.advertise_raw("words", &schema, PublishOptions::default()).unwrap();
     let text = |text: &str| [&[3 << 3 | 2, text.len() as u8], text.as_bytes()].concat();
     let group = |inner: &[u8]| [&[7 << 3 | 3], inner, &[7 << 3 | 4]].concat();
     let received = |bytes: &[u8]| -> Message {
@@ -302,9 +222,6 @@ fn fields_are_found_between_groups() {
         &[7 << 3 | 3, 3 << 3 | 2, 9, 0], // Nine bytes, of which one is there.
         &[7 << 3 | 3; 1000],
     ] {
-        assert_eq!(
-            status_of(received(broken).field_bytes(3)),
-            Status::NotWritable
-        );
+        assert_eq!(status_of(received(broken).field_bytes(3)), Status::NotWritable);
     }
 }

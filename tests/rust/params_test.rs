@@ -12,46 +12,27 @@ fn parameters_are_declared_set_and_watched() {
     let params = session.params(&[file.to_str().unwrap()]).unwrap();
     std::fs::remove_file(file).unwrap();
     let none = ParamInfo::default();
-    let bounded = ParamInfo {
-        unit: "m".to_owned(),
-        most: Some(1.0),
-        ..ParamInfo::default()
-    };
+    let bounded = ParamInfo { unit: "m".to_owned(), most: Some(1.0), ..ParamInfo::default() };
     params.declare("wheel.radius", 0.1, &bounded).unwrap();
     params.declare("wheel.count", 4, &none).unwrap();
-    params
-        .declare("name", "it's:\t\"mine\" \\ é", &none)
-        .unwrap();
+    params.declare("name", "it's:\t\"mine\" \\ é", &none).unwrap();
     params.declare("gains", vec![1.0, 2.5], &none).unwrap();
     params.declare("on", true, &none).unwrap();
-    let choices = ParamInfo {
-        choices: vec!["fast".to_owned(), "slow".to_owned()],
-        ..ParamInfo::default()
-    };
+    let choices = ParamInfo { choices: vec!["fast".to_owned(), "slow".to_owned()], ..ParamInfo::default() };
     params.declare("mode", "fast".to_owned(), &choices).unwrap();
     assert_eq!(params.get::<f64>("wheel.radius").unwrap(), 0.25);
     assert_eq!(params.get::<i64>("wheel.count").unwrap(), 4);
-    assert_eq!(
-        params.get::<String>("name").unwrap(),
-        "it's:\t\"mine\" \\ é"
-    );
+    assert_eq!(params.get::<String>("name").unwrap(), "it's:\t\"mine\" \\ é");
     assert_eq!(params.get::<Vec<f64>>("gains").unwrap(), [1.0, 2.5]);
     assert!(params.get::<bool>("on").unwrap());
     assert_eq!(params.yaml("gains").unwrap(), "[1.0, 2.5]");
 
     let (sender, changes) = sync_channel(10);
     let watch = params
-        .on_change("wheel", move |path, yaml| {
-            sender
-                .send((path.to_owned(), yaml.map(str::to_owned)))
-                .unwrap()
-        })
+        .on_change("wheel", move |path, yaml| sender.send((path.to_owned(), yaml.map(str::to_owned))).unwrap())
         .unwrap();
     params.set("wheel.radius", 0.5).unwrap();
-    assert_eq!(
-        changes.recv_timeout(PATIENCE).unwrap(),
-        ("wheel.radius".to_owned(), Some("0.5".to_owned()))
-    );
+    assert_eq!(changes.recv_timeout(PATIENCE).unwrap(), ("wheel.radius".to_owned(), Some("0.5".to_owned())));
     let error = params.set("wheel.radius", 2.0).unwrap_err();
     assert_eq!(error.status(), Status::Refused);
     assert!(error.sentence().contains("wheel.radius"), "{error}");
@@ -79,10 +60,7 @@ fn numbers_that_are_not_finite_are_refused_as_such() {
     assert_eq!(error.status(), Status::InvalidArgument);
     assert_eq!(error.sentence(), "A parameter must be finite, but is NaN.");
     let infinite = vec![1.0, f64::INFINITY];
-    assert_eq!(
-        status_of(params.declare("y", infinite, &none)),
-        Status::InvalidArgument
-    );
+    assert_eq!(status_of(params.declare("y", infinite, &none)), Status::InvalidArgument);
 }
 
 #[test]
@@ -90,9 +68,7 @@ fn a_panic_in_a_watch_is_counted() {
     let session = session("params-panic");
     let params = session.params(&[]).unwrap();
     params.declare("speed", 1, &ParamInfo::default()).unwrap();
-    let _watch = params
-        .on_change("", |path, _| panic!("{path} frightens me"))
-        .unwrap();
+    let _watch = params.on_change("", |path, _| panic!("{path} frightens me")).unwrap();
     params.set("speed", 2).unwrap();
     assert_eq!(session.callback_failures(), 1);
     assert_eq!(params.get::<i64>("speed").unwrap(), 2);
@@ -114,9 +90,7 @@ fn a_watch_may_make_a_change() {
     });
     params.set("speed", 3).unwrap();
     session.wait_idle(PATIENCE).unwrap();
-    wait_until("the last change is made", || {
-        params.get::<i64>("twice").unwrap() == 10
-    });
+    wait_until("the last change is made", || params.get::<i64>("twice").unwrap() == 10);
     drop(watch);
     assert_eq!(session.callback_failures(), 0);
 }
@@ -127,9 +101,7 @@ fn parameters_of_another_session_are_set() {
     let own = robot.params(&[]).unwrap();
     own.declare("speed", 1, &ParamInfo::default()).unwrap();
     let theirs = tool.params_of("robot", PATIENCE).unwrap();
-    wait_until("the parameter can be set", || {
-        theirs.set("speed", 7).is_ok()
-    });
+    wait_until("the parameter can be set", || theirs.set("speed", 7).is_ok());
     assert_eq!(own.get::<i64>("speed").unwrap(), 7);
     assert_eq!(theirs.get::<i64>("speed").unwrap(), 7);
     assert_eq!(status_of(theirs.save()), Status::Failed);

@@ -25,16 +25,8 @@ impl Process {
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
-        let (input, output) = (
-            child.stdin.take(),
-            BufReader::new(child.stdout.take().unwrap()),
-        );
-        Self {
-            child,
-            input,
-            output,
-            name: arguments.join(" "),
-        }
+        let (input, output) = (child.stdin.take(), BufReader::new(child.stdout.take().unwrap()));
+        Self { child, input, output, name: arguments.join(" ") }
     }
 
     #[track_caller]
@@ -94,10 +86,7 @@ fn a_peer_publishes_to_another_one() {
 fn a_late_peer_gets_what_is_latched() {
     let mut publisher = peer("latch", &["latch", "words", "good morning"]);
     publisher.expect("latched");
-    assert_eq!(
-        peer("latch", &["late", "words"]).finish(),
-        "late good morning"
-    );
+    assert_eq!(peer("latch", &["late", "words"]).finish(), "late good morning");
     publisher.finish();
 }
 
@@ -105,14 +94,8 @@ fn a_late_peer_gets_what_is_latched() {
 fn a_peer_calls_another_one() {
     let mut server = peer("serve", &["serve", "reply"]);
     server.expect("serving");
-    assert_eq!(
-        peer("serve", &["call", "reply", "hello"]).finish(),
-        "answer re: hello"
-    );
-    assert_eq!(
-        peer("serve", &["call", "reply", "fail"]).finish(),
-        "failed asked to fail"
-    );
+    assert_eq!(peer("serve", &["call", "reply", "hello"]).finish(), "answer re: hello");
+    assert_eq!(peer("serve", &["call", "reply", "fail"]).finish(), "failed asked to fail");
     server.finish();
 }
 
@@ -145,15 +128,9 @@ fn a_peer_survives_the_death_of_the_other_one() {
 #[test]
 fn the_command_shows_what_is_published() {
     let from = Session::open(&configuration("echo")).unwrap();
-    let publisher = from
-        .advertise("words", PublishOptions { latched: 1 })
-        .unwrap();
+    let publisher = from.advertise("words", PublishOptions { latched: 1 }).unwrap();
     publisher.publish(&log_of("from Rust")).unwrap();
-    let said = command(
-        "echo",
-        &["echo", "words", "--once", "--json", "--timeout", "40"],
-    )
-    .finish();
+    let said = command("echo", &["echo", "words", "--once", "--json", "--timeout", "40"]).finish();
     assert!(said.contains("\"from Rust\""), "{said}");
 }
 
@@ -162,19 +139,7 @@ fn the_command_publishes() {
     let to = Session::open(&configuration("pub")).unwrap();
     let queue = to.subscribe::<Log>("words", Queue::default()).unwrap();
     let message = "{message: from C++}";
-    command(
-        "pub",
-        &[
-            "pub",
-            "words",
-            message,
-            "--type",
-            "foxglove.Log",
-            "--timeout",
-            "40",
-        ],
-    )
-    .finish();
+    command("pub", &["pub", "words", message, "--type", "foxglove.Log", "--timeout", "40"]).finish();
     assert_eq!(queue.recv_timeout(PATIENCE).unwrap().message, "from C++");
 }
 
@@ -182,13 +147,7 @@ fn the_command_publishes() {
 fn the_command_calls() {
     let server = Session::open(&configuration("call")).unwrap();
     let greet = |request: Log| Ok::<_, String>(log_of(format!("hello {}", request.message)));
-    let _service = server
-        .serve("greet", ServeOptions::default(), greet)
-        .unwrap();
-    let said = command(
-        "call",
-        &["call", "greet", "{message: C++}", "--timeout", "40"],
-    )
-    .finish();
+    let _service = server.serve("greet", ServeOptions::default(), greet).unwrap();
+    let said = command("call", &["call", "greet", "{message: C++}", "--timeout", "40"]).finish();
     assert!(said.contains("hello C++"), "{said}");
 }

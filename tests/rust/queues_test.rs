@@ -16,18 +16,8 @@ fn a_lossless_queue_gets_1000_messages_in_order() {
         }
         publisher
     });
-    let received: Vec<_> = queue
-        .iter_timeout(PATIENCE)
-        .take(1000)
-        .map(|log| log.unwrap().message)
-        .collect();
-    assert!(
-        received
-            .iter()
-            .enumerate()
-            .all(|(number, text)| *text == number.to_string()),
-        "{received:?}"
-    );
+    let received: Vec<_> = queue.iter_timeout(PATIENCE).take(1000).map(|log| log.unwrap().message).collect();
+    assert!(received.iter().enumerate().all(|(number, text)| *text == number.to_string()), "{received:?}");
     sender.join().unwrap();
     assert_eq!(queue.stats().unwrap().taken, 1000);
 }
@@ -49,24 +39,13 @@ fn a_keep_last_queue_drops_the_oldest() {
 #[test]
 fn a_lossless_queue_holds_its_publishers_back() {
     let session = session("full");
-    let (publisher, queue) = pair(
-        &session,
-        &session,
-        "words",
-        Queue::KeepAllBytes {
-            messages: 2,
-            bytes: 1000,
-        },
-    );
+    let (publisher, queue) = pair(&session, &session, "words", Queue::KeepAllBytes { messages: 2, bytes: 1000 });
     publisher.publish(&log_of(1)).unwrap();
     publisher.publish(&log_of(2)).unwrap();
     let error = publisher.publish(&log_of(3)).unwrap_err();
     assert_eq!(error.status(), Status::Full);
     assert!(error.sentence().contains("words"), "{error}");
-    assert_eq!(
-        status_of(publisher.publish_wait(&log_of(3), BRIEFLY)),
-        Status::TimedOut
-    );
+    assert_eq!(status_of(publisher.publish_wait(&log_of(3), BRIEFLY)), Status::TimedOut);
     queue.recv().unwrap();
     publisher.publish_wait(&log_of(3), PATIENCE).unwrap();
 }
@@ -132,9 +111,7 @@ fn a_session_is_dropped_while_others_use_what_it_made() {
     });
     wait_until("a message is published", || {
         let channels = session.channels().unwrap();
-        channels
-            .iter()
-            .any(|channel| channel.name == "words" && channel.publishers == 1)
+        channels.iter().any(|channel| channel.name == "words" && channel.publishers == 1)
     });
     drop(session);
     assert_eq!(sends.join().unwrap(), Status::Closed);
@@ -155,20 +132,10 @@ struct PollEntry {
 /// Which descriptor is readable first, as an event loop sees it.
 fn first_readable(descriptors: &[RawFd]) -> Option<usize> {
     const POLLIN: i16 = 1;
-    let entry = |&descriptor: &RawFd| PollEntry {
-        descriptor,
-        wanted: POLLIN,
-        came: 0,
-    };
+    let entry = |&descriptor: &RawFd| PollEntry { descriptor, wanted: POLLIN, came: 0 };
     let mut entries: Vec<PollEntry> = descriptors.iter().map(entry).collect();
     // SAFETY: the entries live during the call.
-    unsafe {
-        poll(
-            entries.as_mut_ptr(),
-            entries.len() as u64,
-            PATIENCE.as_millis() as i32,
-        )
-    };
+    unsafe { poll(entries.as_mut_ptr(), entries.len() as u64, PATIENCE.as_millis() as i32) };
     entries.iter().position(|entry| entry.came != 0)
 }
 
@@ -176,10 +143,7 @@ fn first_readable(descriptors: &[RawFd]) -> Option<usize> {
 fn one_thread_waits_for_several_queues() {
     let session = session("poll");
     let (publisher, first) = pair(&session, &session, "a", Queue::default());
-    let options = SubscribeOptions {
-        name: "second".to_owned(),
-        ..SubscribeOptions::default()
-    };
+    let options = SubscribeOptions { name: "second".to_owned(), ..SubscribeOptions::default() };
     let second = session.subscribe::<Log>("b", options).unwrap();
     let (_other, other_end) = UnixStream::pair().unwrap();
     let descriptors = [second.as_raw_fd(), other_end.as_raw_fd(), first.as_raw_fd()];

@@ -29,16 +29,11 @@ fn wait_for_service(client: &Session) {
 #[test]
 fn services_reply_and_fail() {
     let (server, client) = (session("service"), session("service"));
-    let service = server
-        .serve("shout", ServeOptions::default(), shout)
-        .unwrap();
+    let service = server.serve("shout", ServeOptions::default(), shout).unwrap();
     wait_for_service(&client);
     assert_eq!(call(&client, "hello").unwrap().message, "HELLO");
     let error = call(&client, "fail").unwrap_err();
-    assert_eq!(
-        (error.status(), error.sentence()),
-        (Status::HandlerFailed, "I have no voice")
-    );
+    assert_eq!((error.status(), error.sentence()), (Status::HandlerFailed, "I have no voice"));
     assert_eq!(call(&server, "hello").unwrap().message, "HELLO");
     let refused = client.call::<_, Pose>("shout", &log_of("x"), PATIENCE);
     assert_eq!(status_of(refused), Status::TypeMismatch);
@@ -49,9 +44,7 @@ fn services_reply_and_fail() {
 #[test]
 fn a_panic_of_a_handler_reaches_the_caller() {
     let (server, client) = (session("service-panic"), session("service-panic"));
-    let _service = server
-        .serve("shout", ServeOptions::default(), shout)
-        .unwrap();
+    let _service = server.serve("shout", ServeOptions::default(), shout).unwrap();
     wait_for_service(&client);
     let error = call(&client, "panic").unwrap_err();
     assert_eq!(error.status(), Status::HandlerFailed);
@@ -88,23 +81,14 @@ fn a_call_ends_with_its_time_or_its_session() {
 #[test]
 fn a_handler_may_call_services_of_its_own_session() {
     let session = std::sync::Arc::new(session("service-nested"));
-    let _inner = session
-        .serve("shout", ServeOptions::default(), shout)
-        .unwrap();
+    let _inner = session.serve("shout", ServeOptions::default(), shout).unwrap();
     let same = std::sync::Arc::downgrade(&session);
-    let options = ServeOptions {
-        concurrent: true,
-        most_waiting: 4,
-    };
-    let _outer = session.serve(
-        "twice",
-        options,
-        move |request: Log| -> Result<Log, Error> {
-            let session = same.upgrade().expect("it is called by its session");
-            let once = call(&session, request.get_message())?;
-            call(&session, &format!("{0} {0}", once.message))
-        },
-    );
+    let options = ServeOptions { concurrent: true, most_waiting: 4 };
+    let _outer = session.serve("twice", options, move |request: Log| -> Result<Log, Error> {
+        let session = same.upgrade().expect("it is called by its session");
+        let once = call(&session, request.get_message())?;
+        call(&session, &format!("{0} {0}", once.message))
+    });
     let reply: Log = session.call("twice", &log_of("hey"), PATIENCE).unwrap();
     assert_eq!(reply.message, "HEY HEY");
 }

@@ -120,32 +120,17 @@ fn bulk_subscribe(session: &Session, channel: &str, size: usize) -> Result<(), F
     let message = queue.take(PATIENCE)?;
     let data = message.field_bytes(DATA_FIELD)?; // Where the publisher wrote them.
     let sum = |bytes: &mut dyn Iterator<Item = u8>| bytes.map(u64::from).sum::<u64>();
-    let came = (
-        data.len(),
-        data.first().copied(),
-        data.last().copied(),
-        sum(&mut data.iter().copied()),
-    );
-    let wanted = (
-        size,
-        bulk_bytes(size).next(),
-        bulk_bytes(size).last(),
-        sum(&mut bulk_bytes(size)),
-    );
+    let came = (data.len(), data.first().copied(), data.last().copied(), sum(&mut data.iter().copied()));
+    let wanted = (size, bulk_bytes(size).next(), bulk_bytes(size).last(), sum(&mut bulk_bytes(size)));
     if came != wanted {
-        return Err(format!(
-            "Size, first byte, last byte and sum are {came:?} instead of {wanted:?}."
-        )
-        .into());
+        return Err(format!("Size, first byte, last byte and sum are {came:?} instead of {wanted:?}.").into());
     }
     say(&format!("received {size}"));
     Ok(())
 }
 
 fn serve(session: &Session, name: &str) -> Result<(), Failure> {
-    let _service = session.serve(name, ServeOptions::default(), |request: Log| match request
-        .get_message()
-    {
+    let _service = session.serve(name, ServeOptions::default(), |request: Log| match request.get_message() {
         "fail" => Err("asked to fail"),
         text => Ok(log_of(&format!("re: {text}"))),
     })?;
@@ -179,10 +164,7 @@ fn misfit(session: &Session, channel: &str) -> Result<(), Failure> {
 }
 
 /// Runs `work` until standard input is closed. Then the session ends, which wakes what waits.
-fn until_end_of_input(
-    session: &Session,
-    work: impl FnOnce() -> Result<(), Error>,
-) -> Result<(), Failure> {
+fn until_end_of_input(session: &Session, work: impl FnOnce() -> Result<(), Error>) -> Result<(), Failure> {
     let over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -191,9 +173,7 @@ fn until_end_of_input(
             session.end();
         });
         match work() {
-            Err(error) if error.status() == Status::Closed && over.load(Ordering::Acquire) => {
-                Ok(())
-            }
+            Err(error) if error.status() == Status::Closed && over.load(Ordering::Acquire) => Ok(()),
             Err(error) => {
                 eprintln!("{error}"); // The other thread still waits for the input.
                 std::process::exit(1);
