@@ -6,7 +6,10 @@ using System.IO;
 internal static class Tool {
   // What a program prints, which must succeed.
   internal static byte[] Run(string variable, string arguments, byte[] input = null) {
-    using (Process process = Start(variable, arguments)) {
+    using (Process process = Process.Start(new ProcessStartInfo {
+      FileName = Environment.GetEnvironmentVariable(variable), Arguments = arguments, UseShellExecute = false,
+      RedirectStandardInput = true, RedirectStandardOutput = true
+    })) {
       process.StandardInput.BaseStream.Write(input ?? new byte[0], 0, input?.Length ?? 0);
       process.StandardInput.Close();
       var output = new MemoryStream();
@@ -16,11 +19,6 @@ internal static class Tool {
       return output.ToArray();
     }
   }
-
-  internal static Process Start(string variable, string arguments) => Process.Start(new ProcessStartInfo {
-    FileName = Environment.GetEnvironmentVariable(variable), Arguments = arguments, UseShellExecute = false,
-    RedirectStandardInput = true, RedirectStandardOutput = true
-  });
 
   internal static string Text(byte[] output) => System.Text.Encoding.UTF8.GetString(output);
 }

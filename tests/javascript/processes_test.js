@@ -1,7 +1,6 @@
 'use strict';
 
 const assert = require('assert');
-const path = require('path');
 const test = require('node:test');
 const { Worker } = require('worker_threads');
 
@@ -9,8 +8,6 @@ const hgros = require('hgros');
 const { open, patient, until, Program } = require('./support');
 
 const LOG = 'foxglove.Log';
-const COMMAND = process.env.HGROS_COMMAND;
-const PEER = [process.execPath, path.join(__dirname, '../interop/javascript/peer.js')];
 
 /** What each program of these tests begins with. */
 const BEGIN = `
@@ -153,98 +150,4 @@ test('ModulesImportThePackage', async (t) => {
     await session.close();`]);
   assert.strictEqual(await program.line(), 'true Log protobuf');
   assert.strictEqual((await program.ended)[0], 0, program.errors);
-});
-
-test('TheCommandSeesAndPublishesMessages', async (t) => {
-  const session = open(t);
-  const publisher = session.advertise('words', LOG, { latched: 1 });
-  publisher.publish({ message: 'from JavaScript', level: 'ERROR' });
-  const echo = new Program(t, [COMMAND, 'echo', 'words', '--once', '--json']);
-  const line = await echo.line();
-  assert.match(line, /from JavaScript/);
-  assert.match(line, /ERROR/);
-  const subscription = session.subscribe('answers', undefined, { keepAll: 5 });
-  const pub = new Program(t, [COMMAND, 'pub', 'answers', '{message: "from the command", timestamp: {seconds: 5}}',
-    '--type', LOG, '--timeout', '40']);
-  const { message, schema } = await subscription.take(patient);
-  assert.strictEqual(message.message, 'from the command');
-  assert.strictEqual(schema.typeName, LOG);
-  assert.strictEqual(await pub.end(), 0, pub.errors);
-});
-
-test('TheCommandCallsAService', async (t) => {
-  const session = open(t);
-  session.serve('shout', LOG, LOG, ({ message }) => ({ message: message.toUpperCase() }));
-  const call = new Program(t, [COMMAND, 'call', 'shout', '{message: hello}', '--json', '--timeout', '40']);
-  assert.match(await call.line(), /HELLO/);
-  assert.strictEqual(await call.end(), 0, call.errors);
-});
-
-/** Two peers for tests between languages: their roles with arguments, and the lines that they print. */
-async function peers(t, first, second, afterFirst) {
-  const one = new Program(t, [...PEER, ...first.role]);
-  if (afterFirst !== undefined) assert.strictEqual(await one.line(), afterFirst);
-  const two = new Program(t, [...PEER, ...second.role]);
-  for (const line of second.lines) assert.strictEqual(await two.line(), line, two.errors);
-  for (const line of first.lines) assert.strictEqual(await one.line(), line, one.errors);
-  assert.deepStrictEqual([await one.end(), await two.end()], [0, 0]);
-}
-
-test('PeersPublishAndSubscribe', (t) => peers(t, { role: ['publish', 'c', '500'], lines: ['published 500'] },
-  { role: ['subscribe', 'c', '500'], lines: ['subscribed', 'received 500'] }));
-
-test('PeersLatch', (t) => peers(t, { role: ['latch', 'c', 'still here'], lines: [] },
-  { role: ['late', 'c'], lines: ['late still here'] }, 'latched'));
-
-test('PeersSendBulk', (t) => peers(t, { role: ['bulk-publish', 'c', '4000000'], lines: ['published 4000000'] },
-  { role: ['bulk-subscribe', 'c', '4000000'], lines: ['subscribed', 'received 4000000'] }));
-
-test('PeersServeAndCall', async (t) => {
-  const server = new Program(t, [...PEER, 'serve', 's']);
-  assert.strictEqual(await server.line(), 'serving');
-  for (const [text, answer] of [['hi', 'answer re: hi'], ['fail', 'failed asked to fail']]) {
-    const caller = new Program(t, [...PEER, 'call', 's', text]);
-    assert.strictEqual(await caller.line(), answer);
-    assert.strictEqual(await caller.end(), 0);
-  }
-  assert.strictEqual(await server.end(), 0);
-});
-
-test('APeerPlaysOneRoleAfterTheOther', async (t) => {
-  const [one, two] = [new Program(t, [...PEER, 'talk']), new Program(t, [...PEER, 'talk'])];
-  assert.deepStrictEqual([await one.line(), await two.line()], ['ready', 'ready']);
-  for (const channel of ['a', 'b']) {
-    one.child.stdin.write(`\npublish ${channel} 50\n`);
-    two.child.stdin.write(`subscribe ${channel} 50\n`);
-    assert.strictEqual(await two.line(), 'subscribed');
-    assert.strictEqual(await two.line(), 'received 50');
-    assert.strictEqual(await one.line(), 'published 50');
-  }
-  assert.deepStrictEqual([await one.end(), await two.end()], [0, 0]);
-});
-
-test('PeersReportAMisfit', async (t) => {
-  const latch = new Program(t, [...PEER, 'latch', 'c', 'x']);
-  const misfit = new Program(t, [...PEER, 'misfit', 'c']);
-  assert.strictEqual(await misfit.line(), 'subscribed');
-  await until('the log names both types', () => [LOG, 'foxglove.PoseInFrame'].every((name) =>
-    misfit.errors.includes(name)));
-  assert.deepStrictEqual([await latch.end(), await misfit.end()], [0, 0]);
-});
-
-test('PeersSurviveEachOthersDeath', async (t) => {
-  const stream = new Program(t, [...PEER, 'stream', 'c']);
-  const killed = new Program(t, [...PEER, 'follow', 'c']);
-  assert.strictEqual(await killed.line(), 'following');
-  killed.child.kill('SIGKILL');
-  const follow = new Program(t, [...PEER, 'follow', 'c']);
-  assert.strictEqual(await follow.line(), 'following');
-  assert.strictEqual(await stream.line(), 'streaming');
-  stream.child.kill('SIGKILL');
-  const again = new Program(t, [...PEER, 'stream', 'c']);
-  assert.strictEqual(await again.line(), 'streaming');
-  assert.strictEqual(await follow.end(), 0, follow.errors);
-  assert.strictEqual(await again.end(), 0, again.errors);
-  assert.match(await follow.line(), /^followed \d+$/);
-  assert.match(await again.line(), /^streamed \d+$/);
 });

@@ -88,16 +88,6 @@ final class Program
             __DIR__ . '/../interop/php/peer.php', ...$words);
     }
 
-    public static function commandLine(string ...$words): self
-    {
-        return new self(getenv('HGROS_COMMAND'), ...$words);
-    }
-
-    public function say(string $line): void
-    {
-        fwrite($this->pipes[0], "$line\n");
-    }
-
     public function line(): string
     {
         $read = [$this->pipes[1]];

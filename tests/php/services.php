@@ -73,20 +73,3 @@ function ServiceEndsWhileItHandles(): void
     expect(preg_match('/^failed .*(has ended|ended service)/', $caller->line()) === 1);
     expectFailure(Status::Closed, 'closed before', static fn () => $service->handle(0.0));
 }
-
-function CommandLineSpeaksWithPhp(): void
-{
-    $session = Session::open();
-    $handler = static fn (Log $log): Log => text("re: {$log->getMessage()}");
-    $service = $session->serve('ask', Log::class, Log::class, $handler);
-    $call = Program::commandLine('call', 'ask', '{message: hello}', '--json', '--timeout', '40');
-    expectEqual(true, $service->handle(PATIENCE));
-    expect(str_contains($call->finish(), '"message":"re: hello"'));
-    $publisher = $session->advertise('words', Log::class, latched: 1);
-    $publisher->publish(text('from PHP'));
-    $echo = Program::commandLine('echo', 'words', '--json', '--count', '1');
-    expect(str_contains($echo->finish(), '"message":"from PHP"'));
-    $queue = $session->subscribe('more', Log::class);
-    $pub = Program::commandLine('pub', 'more', '{message: from C++}', '--type', 'foxglove.Log', '--timeout', '40');
-    expectEqual('from C++', $queue->take(PATIENCE)?->getMessage());
-}

@@ -5,7 +5,6 @@ mod bounds_test;
 mod callbacks_test;
 mod messages_test;
 mod params_test;
-mod peers_test;
 mod queues_test;
 mod services_test;
 mod session_test;

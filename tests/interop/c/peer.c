@@ -196,9 +196,12 @@ static void Subscribe(const char* channel, const char* count) {
 }
 
 static void Latch(const char* channel, const char* text) {
-  hgros_publisher* const publisher = Advertise(channel, log_schema, 1);
-  const struct Text log = WriteLog(text);
-  Require(hgros_publish(publisher, log.bytes, log.size));
+  hgros_publisher* const publisher = Advertise(channel, log_schema, 2);
+  const char* const texts[] = {"old", text, "new"};
+  for (int i = 0; i < 3; ++i) {
+    const struct Text log = WriteLog(texts[i]);
+    Require(hgros_publish(publisher, log.bytes, log.size));
+  }
   Say("latched");
   (void)Waits(-1);
   hgros_publisher_close(publisher);

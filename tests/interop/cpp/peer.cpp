@@ -188,8 +188,9 @@ class Peer {
   }
 
   void Latch(const std::string& channel, const std::string& text) {
-    const auto publish = session_.Advertise<Log>(channel, {.latched = 1});
-    Require(publish(Text(text)) == hgros::PublishStatus::kOk, "The message was not published.");
+    const auto publish = session_.Advertise<Log>(channel, {.latched = 2});
+    for (const std::string& one : {std::string("old"), text, std::string("new")})
+      Require(publish(Text(one)) == hgros::PublishStatus::kOk, "The message was not published.");
     Say("latched");
     input_.Await();
   }

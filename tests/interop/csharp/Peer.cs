@@ -72,8 +72,8 @@ internal static class Peer {
   }
 
   private static void Latch(Session session, string channel, string text) {
-    using (var publisher = session.Advertise(channel, Log, latched: 1)) {
-      publisher.Publish(Say(text));
+    using (var publisher = session.Advertise(channel, Log, latched: 2)) {
+      foreach (string one in new[] { "old", text, "new" }) publisher.Publish(Say(one));
       Console.WriteLine("latched");
       UntilStdinIsClosed();
     }

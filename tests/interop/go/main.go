@@ -166,13 +166,15 @@ func (p *peer) subscribe(ctx context.Context, channel, count string) error {
 }
 
 func (p *peer) latch(ctx context.Context, channel, message string) error {
-	publisher, err := hgros.Advertise[*foxglove.Log](p.session, channel, &hgros.PublishOptions{Latched: 1})
+	publisher, err := hgros.Advertise[*foxglove.Log](p.session, channel, &hgros.PublishOptions{Latched: 2})
 	if err != nil {
 		return err
 	}
 	defer publisher.Close()
-	if err := publisher.Publish(text(message)); err != nil {
-		return err
+	for _, one := range []string{"old", message, "new"} {
+		if err := publisher.Publish(text(one)); err != nil {
+			return err
+		}
 	}
 	say("latched")
 	p.in.await()

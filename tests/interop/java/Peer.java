@@ -109,8 +109,10 @@ final class Peer {
   }
 
   private void latch(String channel, String message) throws InterruptedException {
-    try (Publisher<Log> publisher = session.advertise(channel, LOG, new PublishOptions().latched(1))) {
-      publisher.publish(text(message));
+    try (Publisher<Log> publisher = session.advertise(channel, LOG, new PublishOptions().latched(2))) {
+      for (String one : new String[] {"old", message, "new"}) {
+        publisher.publish(text(one));
+      }
       say("latched");
       input.await();
     }

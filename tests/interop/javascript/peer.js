@@ -104,7 +104,8 @@ const ROLES = {
   },
 
   async latch(turn, channel, text) {
-    turn.advertise(channel, LOG, { latched: 1 }).publish({ message: text });
+    const publisher = turn.advertise(channel, LOG, { latched: 2 });
+    for (const message of ['old', text, 'new']) publisher.publish({ message });
     say('latched');
     await turn.ended;
   },

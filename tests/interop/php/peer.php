@@ -141,8 +141,10 @@ final class Peer
 
     private function latch(string $channel, string $text): void
     {
-        $publisher = $this->session->advertise($channel, Log::class, latched: 1);
-        $publisher->publish(new Log(['message' => $text]));
+        $publisher = $this->session->advertise($channel, Log::class, latched: 2);
+        foreach (['old', $text, 'new'] as $one) {
+            $publisher->publish(new Log(['message' => $one]));
+        }
         say('latched');
         $this->input->waits();
     }

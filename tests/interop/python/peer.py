@@ -101,7 +101,9 @@ class Peer:
             say(f"received {count}")
 
     def latch(self, channel: str, text: str) -> None:
-        self.robot.advertise(channel, Log, latched=1).publish(Log(message=text))
+        publisher = self.robot.advertise(channel, Log, latched=2)
+        for one in ("old", text, "new"):
+            publisher.publish(Log(message=one))
         say("latched")
         self.input.waits()
 

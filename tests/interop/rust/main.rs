@@ -85,8 +85,10 @@ fn subscribe(session: &Session, channel: &str, count: u64) -> Result<(), Failure
 }
 
 fn latch(session: &Session, channel: &str, text: &str) -> Result<(), Failure> {
-    let publisher = session.advertise(channel, PublishOptions { latched: 1 })?;
-    publisher.publish(&log_of(text))?;
+    let publisher = session.advertise(channel, PublishOptions { latched: 2 })?;
+    for one in ["old", text, "new"] {
+        publisher.publish(&log_of(one))?;
+    }
     say("latched");
     wait_for_end_of_input();
     Ok(())
