@@ -1,0 +1,69 @@
+# What the suites of the languages in tests/ share.
+
+# hgros_language_tests(suite pattern SOURCES source... COMMAND word... [ENVIRONMENT variable...]
+#                      [PROPERTIES property value...])
+# An entry of ctest, SUITE.NAME, for each part of the sources that matches the pattern; its first group is the name. In
+# COMMAND and PROPERTIES, @name@ is the name, @source@ the file and @stem@ its name without the extension.
+function(hgros_language_tests SUITE PATTERN)
+  cmake_parse_arguments(ARG "" "" "SOURCES;COMMAND;ENVIRONMENT;PROPERTIES" ${ARGN})
+  foreach(source IN LISTS ARG_SOURCES)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+    cmake_path(GET source STEM stem)
+    file(READ ${source} text)
+    string(REGEX MATCHALL "${PATTERN}" matches "${text}")
+    foreach(match IN LISTS matches)
+      string(REGEX REPLACE "${PATTERN}" "\\1" name "${match}")
+      set(test ${name})
+      if(name MATCHES "_")  # It is named like the tests of other suites.
+        string(REGEX MATCHALL "[^_]+" words ${name})
+        set(test)
+        foreach(word IN LISTS words)
+          string(SUBSTRING ${word} 0 1 first)
+          string(SUBSTRING ${word} 1 -1 rest)
+          string(TOUPPER ${first} first)
+          string(APPEND test ${first}${rest})
+        endforeach()
+      endif()
+      string(CONFIGURE "${ARG_COMMAND}" command @ONLY)
+      string(CONFIGURE "${ARG_PROPERTIES}" properties @ONLY)
+      string(CONFIGURE "${ARG_ENVIRONMENT}" environment @ONLY)
+      add_test(NAME ${SUITE}.${test} COMMAND ${command})
+      set_tests_properties(${SUITE}.${test} PROPERTIES ENVIRONMENT "${environment}" ${properties})
+    endforeach()
+  endforeach()
+endfunction()
+
+# hgros_readme_source(language program source): a program of the page of the language's binding.
+function(hgros_readme_source LANGUAGE PROGRAM SOURCE)
+  set(extract ${PROJECT_SOURCE_DIR}/tests/readme/extract.py)
+  set(page ${PROJECT_SOURCE_DIR}/bindings/${LANGUAGE}/README.md)
+  add_custom_command(OUTPUT ${SOURCE}
+    COMMAND Python3::Interpreter -B ${extract} ${page} ${LANGUAGE}_${PROGRAM} ${SOURCE}
+    DEPENDS ${extract} ${page} VERBATIM)
+endfunction()
+
+# hgros_program(file word...): a program that runs the command.
+function(hgros_program FILE)
+  list(JOIN ARGN "' '" command)
+  file(GENERATE OUTPUT ${FILE} CONTENT "#!/bin/sh\nexec '${command}'\n"
+    FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+endfunction()
+
+# hgros_readme_test(suite publisher subscriber): runs the two programs of the page as their reader does.
+function(hgros_readme_test SUITE PUBLISHER SUBSCRIBER)
+  add_test(NAME ${SUITE}.ReadmePublisherAndSubscriber
+    COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tests/readme/pair.py ${PUBLISHER} published ${SUBSCRIBER} "Hello")
+endfunction()
+
+# hgros_example_test(suite line PUBLISHER word... SUBSCRIBER word...)
+# The subscriber knows the type from the channel alone, and prints the line. It ends after five messages, or the test
+# times out.
+function(hgros_example_test SUITE LINE)
+  cmake_parse_arguments(ARG "" "" "PUBLISHER;SUBSCRIBER" ${ARGN})
+  list(JOIN ARG_PUBLISHER "' '" publisher)
+  list(JOIN ARG_SUBSCRIBER "' '" subscriber)
+  string(TOLOWER ${SUITE} domain)
+  add_test(NAME ${SUITE}.ExamplePublisherAndSubscriber COMMAND sh -c
+    "export HGROS_DOMAIN=${domain}-examples-$$; '${publisher}' & '${subscriber}' greetings 5 && wait $!")
+  set_tests_properties(${SUITE}.ExamplePublisherAndSubscriber PROPERTIES PASS_REGULAR_EXPRESSION "${LINE}")
+endfunction()
