@@ -79,9 +79,13 @@ class Finding {
     if (!sentence_) sentence_ = std::move(sentence);
     found_.notify_all();
   }
-  std::string Await(const std::string& what) {
+  bool Waits(std::chrono::milliseconds timeout) {
     std::unique_lock lock(mutex_);
-    Require(found_.wait_for(lock, kPatience, [&] { return sentence_.has_value(); }), "Nothing came on " + what + ".");
+    return found_.wait_for(lock, timeout, [&] { return sentence_.has_value(); });
+  }
+  std::string Await(const std::string& what) {
+    Require(Waits(kPatience), "Nothing came on " + what + ".");
+    const std::scoped_lock lock(mutex_);
     return *sentence_;
   }
 
@@ -124,14 +128,11 @@ class Peer {
         {"publish", &Peer::Publish},
         {"subscribe", &Peer::Subscribe},
         {"latch", &Peer::Latch},
-        {"late", &Peer::Late},
         {"bulk-publish", &Peer::BulkPublish},
         {"bulk-subscribe", &Peer::BulkSubscribe},
         {"serve", &Peer::Serve},
         {"call", &Peer::Call},
         {"misfit", &Peer::Misfit},
-        {"stream", &Peer::Stream},
-        {"follow", &Peer::Follow},
     };
     const auto role = roles.find(words.at(0));
     Require(role != roles.end(), "There is no role " + words[0] + ".");
@@ -158,33 +159,43 @@ class Peer {
   void Publish(const std::string& channel, const std::string& count) {
     const auto publish = session_.Advertise<Log>(channel);
     AwaitSubscriber(channel);
-    for (int i = 1; i <= std::stoi(count); ++i) {
-      const auto status =
-          publish.Wait(std::make_unique<Log>(Text(std::to_string(i))), std::chrono::steady_clock::now() + kPatience);
-      Require(status == hgros::PublishStatus::kOk, "Message " + std::to_string(i) + " was not published.");
+    const int most = std::stoi(count);
+    int sent = 0;
+    while (sent < most && !input_.Waits(0ms)) {
+      const auto status = publish.Wait(std::make_unique<Log>(Text(std::to_string(sent + 1))),
+                                       std::chrono::steady_clock::now() + kSlice);
+      if (status == hgros::PublishStatus::kTimedOut) continue;
+      Require(status == hgros::PublishStatus::kOk, "Message " + std::to_string(sent + 1) + " was not published.");
+      if (++sent == 1) Say("publishing");
     }
-    Say("published " + count);
+    Say("published " + std::to_string(sent));
     input_.Await();
   }
 
   void Subscribe(const std::string& channel, const std::string& count) {
-    const int last = std::stoi(count);
+    const int most = std::stoi(count);
+    int received = 0;
+    bool from_one = false;
+    std::string last;
+    std::string fault;
     Finding end;
-    int expected = 1;
-    const auto subscription = session_.FromAny<Log>(
-        channel, hgros::Invoke::kSerial,
-        [&](const Log& log) {
-          if (log.message() != std::to_string(expected)) {
-            end.Set("\"" + log.message() + "\" came, not " + std::to_string(expected) + ".");
-          } else if (expected++ == last) {
-            end.Set("");
-          }
-        },
-        Lossless());
-    Say("subscribed");
-    const std::string fault = end.Await(channel);
+    {
+      const auto subscription = session_.FromAny<Log>(
+          channel, hgros::Invoke::kSerial,
+          [&](const Log& log) {
+            if (received == most || !fault.empty()) return;
+            last = log.message();
+            if (++received == 1) Say("receiving");
+            if (received == 1) from_one = last == "1";
+            if (from_one && last != std::to_string(received)) fault = "\"" + last + "\" came, not " + count + ".";
+            if (received == most || !fault.empty()) end.Set("");
+          },
+          Lossless());
+      while (!end.Waits(kSlice) && !input_.Waits(0ms)) {
+      }
+    }
     Require(fault.empty(), fault);
-    Say("received " + count);
+    Say("received " + std::to_string(received) + " " + last);
   }
 
   void Latch(const std::string& channel, const std::string& text) {
@@ -193,13 +204,6 @@ class Peer {
       Require(publish(Text(one)) == hgros::PublishStatus::kOk, "The message was not published.");
     Say("latched");
     input_.Await();
-  }
-
-  void Late(const std::string& channel, const std::string& /*unused*/) {
-    Finding text;
-    const auto subscription =
-        session_.FromAny<Log>(channel, hgros::Invoke::kSerial, [&](const Log& log) { text.Set(log.message()); });
-    Say("late " + text.Await(channel));
   }
 
   void BulkPublish(const std::string& channel, const std::string& bytes) {
@@ -252,32 +256,6 @@ class Peer {
         session_.FromAny<foxglove::PoseInFrame>(channel, hgros::Invoke::kSerial, [](const foxglove::PoseInFrame&) {});
     Say("subscribed");
     input_.Await();
-  }
-
-  void Stream(const std::string& channel, const std::string& /*unused*/) {
-    const auto publish = session_.Advertise<Log>(channel);
-    AwaitSubscriber(channel);
-    int sent = 0;
-    while (!input_.Waits(0ms)) {
-      const auto status = publish.Wait(std::make_unique<Log>(Text(std::to_string(sent + 1))),
-                                       std::chrono::steady_clock::now() + kSlice);
-      if (status == hgros::PublishStatus::kTimedOut) continue;
-      Require(status == hgros::PublishStatus::kOk, "Message " + std::to_string(sent + 1) + " was not published.");
-      if (++sent == 1) Say("streaming");
-    }
-    Say("streamed " + std::to_string(sent));
-  }
-
-  void Follow(const std::string& channel, const std::string& /*unused*/) {
-    std::atomic<int> count = 0;
-    const auto subscription = session_.FromAny<Log>(
-        channel, hgros::Invoke::kSerial,
-        [&](const Log&) {
-          if (++count == 1) Say("following");
-        },
-        Lossless());
-    input_.Await();
-    Say("followed " + std::to_string(count));
   }
 
   hgros::Session session_;

@@ -27,14 +27,11 @@ internal static class Peer {
       case "publish": Publish(session, words[0], int.Parse(words[1])); break;
       case "subscribe": Subscribe(session, words[0], int.Parse(words[1])); break;
       case "latch": Latch(session, words[0], words[1]); break;
-      case "late": Late(session, words[0]); break;
       case "bulk-publish": BulkPublish(session, words[0], int.Parse(words[1])); break;
       case "bulk-subscribe": BulkSubscribe(session, words[0], int.Parse(words[1])); break;
       case "serve": Serve(session, words[0]); break;
       case "call": Call(session, words[0], words[1]); break;
       case "misfit": Misfit(session, words[0]); break;
-      case "stream": Stream(session, words[0]); break;
-      case "follow": Follow(session, words[0]); break;
       default: throw new ArgumentException("There is no role \"" + role + "\".");
     }
   }
@@ -45,30 +42,40 @@ internal static class Peer {
 
   private static void UntilStdinIsClosed() => Console.In.ReadToEnd();
 
-  private static T Soon<T>(Subscription<T> queue) {
-    T next;
-    if (queue.TryNext(out next, Patience)) return next;
-    throw new TimeoutException("No message came within 30 s.");
+  // Takes steps in a thread, `most` or until stdin is closed, and then writes how many.
+  private static void Repeat(Session session, int most, string first, Action<int> step, Func<int, string> last) {
+    var thread = new Thread(() => {
+      int count = 0;
+      try {
+        while (count < most) {
+          step(count + 1);
+          if (++count == 1) Console.WriteLine(first);
+        }
+      } catch (HgrosException failure) when (failure.Code == Code.Closed) {}
+      Console.WriteLine(last(count));
+    });
+    thread.Start();
+    UntilStdinIsClosed();
+    session.End();
+    thread.Join();
   }
 
   private static void Publish(Session session, string channel, int count) {
     using (var publisher = session.Advertise(channel, Log)) {
       session.WaitForSubscribers(channel, 1, Patience);
-      for (int i = 1; i <= count; ++i) publisher.PublishWait(Say(i.ToString()), Patience);
-      Console.WriteLine("published " + count);
-      UntilStdinIsClosed();
+      Repeat(session, count, "publishing", i => publisher.PublishWait(Say(i.ToString())), sent => "published " + sent);
     }
   }
 
   private static void Subscribe(Session session, string channel, int count) {
-    using (var queue = session.Subscribe(channel, Log, new SubscribeOptions { KeepAll = 100 })) {
-      Console.WriteLine("subscribed");
-      for (int i = 1; i <= count; ++i) {
-        string text = Said(Soon(queue));
-        if (text != i.ToString()) throw new InvalidDataException("\"" + text + "\" came instead of \"" + i + "\".");
-      }
-      Console.WriteLine("received " + count);
-    }
+    string first = null, last = null;
+    using (var queue = session.Subscribe(channel, Log, new SubscribeOptions { KeepAll = 100 }))
+      Repeat(session, count, "receiving", i => {
+        last = Said(queue.Next());
+        first = first ?? last;
+        if (first == "1" && last != i.ToString())
+          throw new InvalidDataException("\"" + last + "\" came instead of \"" + i + "\".");
+      }, received => "received " + received + " " + last);
   }
 
   private static void Latch(Session session, string channel, string text) {
@@ -77,10 +84,6 @@ internal static class Peer {
       Console.WriteLine("latched");
       UntilStdinIsClosed();
     }
-  }
-
-  private static void Late(Session session, string channel) {
-    using (var queue = session.Subscribe(channel, Log)) Console.WriteLine("late " + Said(Soon(queue)));
   }
 
   private static byte ByteAt(int i) => (byte)(i * 7 + 3);
@@ -112,7 +115,9 @@ internal static class Peer {
   private static void BulkSubscribe(Session session, string channel, int size) {
     using (var queue = session.Subscribe(channel, Cloud)) {
       Console.WriteLine("subscribed");
-      var data = (byte[])Soon(queue)["data"];
+      DynamicMessage cloud;
+      if (!queue.TryNext(out cloud, Patience)) throw new TimeoutException("No cloud came within 30 s.");
+      var data = (byte[])cloud["data"];
       if (data.Length != size) throw new InvalidDataException(data.Length + " bytes came instead of " + size + ".");
       long sum = data.Sum(value => (long)value), wanted = Enumerable.Range(0, size).Sum(i => (long)ByteAt(i));
       if (size > 0 && (data[0] != ByteAt(0) || data[size - 1] != ByteAt(size - 1)) || sum != wanted)
@@ -151,35 +156,5 @@ internal static class Peer {
       Console.WriteLine("subscribed");
       UntilStdinIsClosed();
     }
-  }
-
-  // Takes a step again and again in a thread until stdin is closed, and returns how often.
-  private static int Repeat(Session session, string first, Action<int> step) {
-    int count = 0;
-    var thread = new Thread(() => {
-      try {
-        while (true) {
-          step(count + 1);
-          if (++count == 1) Console.WriteLine(first);
-        }
-      } catch (HgrosException failure) when (failure.Code == Code.Closed) {}
-    });
-    thread.Start();
-    UntilStdinIsClosed();
-    session.End();
-    thread.Join();
-    return count;
-  }
-
-  private static void Stream(Session session, string channel) {
-    using (var publisher = session.Advertise(channel, Log)) {
-      session.WaitForSubscribers(channel, 1, Patience);
-      Console.WriteLine("streamed " + Repeat(session, "streaming", i => publisher.PublishWait(Say(i.ToString()))));
-    }
-  }
-
-  private static void Follow(Session session, string channel) {
-    using (var queue = session.Subscribe(channel, Log, new SubscribeOptions { KeepAll = 100 }))
-      Console.WriteLine("followed " + Repeat(session, "following", i => queue.Next()));
   }
 }

@@ -93,14 +93,11 @@ final class Peer
             'publish' => $this->publish(...$arguments),
             'subscribe' => $this->subscribe(...$arguments),
             'latch' => $this->latch(...$arguments),
-            'late' => $this->late(...$arguments),
             'bulk-publish' => $this->bulkPublish(...$arguments),
             'bulk-subscribe' => $this->bulkSubscribe(...$arguments),
             'serve' => $this->serve(...$arguments),
             'call' => $this->call(...$arguments),
             'misfit' => $this->misfit(...$arguments),
-            'stream' => $this->stream(...$arguments),
-            'follow' => $this->follow(...$arguments),
             default => throw new RuntimeException("There is no role $role."),
         };
     }
@@ -119,24 +116,40 @@ final class Peer
     {
         $publisher = $this->session->advertise($channel, Log::class);
         $this->session->waitForSubscribers($channel, 1, PATIENCE);
-        for ($number = 1; $number <= (int) $count; ++$number) {
-            $publisher->publishWait(new Log(['message' => (string) $number]), PATIENCE);
+        for ($sent = 0; $sent < (int) $count && !$this->input->waits(0.0);) {
+            try {
+                $publisher->publishWait(new Log(['message' => (string) ($sent + 1)]), SLICE);
+            } catch (HgrosException $full) {
+                if ($full->status !== Status::TimedOut) {
+                    throw $full;
+                }
+                continue;
+            }
+            if (++$sent === 1) {
+                say('publishing');
+            }
         }
-        say("published $count");
+        say("published $sent");
         $this->input->waits();
     }
 
     private function subscribe(string $channel, string $count): void
     {
         $queue = $this->session->subscribe($channel, Log::class, keepAll: ROOM);
-        say('subscribed');
-        for ($number = 1; $number <= (int) $count; ++$number) {
-            $came = $queue->take(PATIENCE)?->getMessage() ?? 'nothing';
-            if ($came !== (string) $number) {
-                throw new RuntimeException("\"$came\" came, not $number.");
+        [$stream, $received, $first, $last] = [$queue->stream(), 0, null, null];
+        while ($received < (int) $count && !$this->input->waitsBeside($stream)) {
+            while ($received < (int) $count && ($log = $queue->take(0.0)) !== null) {
+                $last = $log->getMessage();
+                if (++$received === 1) {
+                    $first = $last;
+                    say('receiving');
+                }
+                if ($first === '1' && $last !== (string) $received) {
+                    throw new RuntimeException("\"$last\" came, not $received.");
+                }
             }
         }
-        say("received $count");
+        say("received $received $last");
     }
 
     private function latch(string $channel, string $text): void
@@ -147,13 +160,6 @@ final class Peer
         }
         say('latched');
         $this->input->waits();
-    }
-
-    private function late(string $channel): void
-    {
-        $log = $this->session->subscribe($channel, Log::class)->take(PATIENCE)
-            ?? throw new RuntimeException("Nothing came on $channel.");
-        say("late {$log->getMessage()}");
     }
 
     private function bulkPublish(string $channel, string $size): void
@@ -221,40 +227,6 @@ final class Peer
         say('subscribed');
         $this->input->waits();
         $queue->close();
-    }
-
-    private function stream(string $channel): void
-    {
-        $publisher = $this->session->advertise($channel, Log::class);
-        $this->session->waitForSubscribers($channel, 1, PATIENCE);
-        for ($sent = 0; !$this->input->waits(0.0);) {
-            try {
-                $publisher->publishWait(new Log(['message' => (string) ($sent + 1)]), SLICE);
-            } catch (HgrosException $full) {
-                if ($full->status !== Status::TimedOut) {
-                    throw $full;
-                }
-                continue;
-            }
-            if (++$sent === 1) {
-                say('streaming');
-            }
-        }
-        say("streamed $sent");
-    }
-
-    private function follow(string $channel): void
-    {
-        $queue = $this->session->subscribe($channel, Log::class, keepAll: ROOM);
-        $stream = $queue->stream();
-        for ($count = 0; !$this->input->waitsBeside($stream);) {
-            while ($queue->take(0.0) !== null) {
-                if (++$count === 1) {
-                    say('following');
-                }
-            }
-        }
-        say("followed $count");
     }
 }
 

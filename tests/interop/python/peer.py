@@ -3,7 +3,6 @@
 import os
 import select
 import sys
-import threading
 import time
 from typing import Callable
 
@@ -61,13 +60,13 @@ class Peer:
     def __init__(self, robot: hgros.Session) -> None:
         self.robot = robot
         self.input = Input()
-        robot.start()  # For services and `follow`.
+        robot.start()  # For services.
 
     def run(self, role: str, *arguments: str) -> None:
         roles: dict[str, Callable[..., None]] = {
             "talk": self.talk, "publish": self.publish, "subscribe": self.subscribe, "latch": self.latch,
-            "late": self.late, "bulk-publish": self.bulk_publish, "bulk-subscribe": self.bulk_subscribe,
-            "serve": self.serve, "call": self.call, "misfit": self.misfit, "stream": self.stream, "follow": self.follow}
+            "bulk-publish": self.bulk_publish, "bulk-subscribe": self.bulk_subscribe, "serve": self.serve,
+            "call": self.call, "misfit": self.misfit}
         if role not in roles:
             raise Fault(f"There is no role {role}.")
         roles[role](*arguments)
@@ -85,20 +84,31 @@ class Peer:
     def publish(self, channel: str, count: str) -> None:
         publisher = self.robot.advertise(channel, Log)
         self.await_subscriber(channel)
-        for number in range(1, int(count) + 1):
-            publisher.publish(Log(message=str(number)), timeout=PATIENCE_S)
-        say(f"published {count}")
+        sent = 0
+        while sent < int(count) and not self.input.waits(0):
+            try:
+                publisher.publish(Log(message=str(sent + 1)), timeout=SLICE_S)
+            except hgros.QueueFull:
+                continue
+            sent += 1
+            if sent == 1:
+                say("publishing")
+        say(f"published {sent}")
         self.input.waits()
 
     def subscribe(self, channel: str, count: str) -> None:
-        with self.robot.messages(channel, Log, timeout=PATIENCE_S, queue=ROOM) as messages:
-            say("subscribed")
-            for number in range(1, int(count) + 1):
+        received, first, last = 0, "", ""
+        with self.robot.messages(channel, Log, timeout=SLICE_S, queue=ROOM) as messages:
+            while received < int(count) and not self.input.waits(0):
                 if (log := next(messages, None)) is None:
-                    raise Fault(f"Message {number} did not come on {channel}.")
-                if log.message != str(number):
-                    raise Fault(f'"{log.message}" came, not {number}.')
-            say(f"received {count}")
+                    continue
+                received, last = received + 1, log.message
+                if received == 1:
+                    first = last
+                    say("receiving")
+                if first == "1" and last != str(received):
+                    raise Fault(f'"{last}" came, not {received}.')
+        say(f"received {received} {last}")
 
     def latch(self, channel: str, text: str) -> None:
         publisher = self.robot.advertise(channel, Log, latched=2)
@@ -106,12 +116,6 @@ class Peer:
             publisher.publish(Log(message=one))
         say("latched")
         self.input.waits()
-
-    def late(self, channel: str) -> None:
-        with self.robot.messages(channel, Log, timeout=PATIENCE_S) as messages:
-            if (log := next(messages, None)) is None:
-                raise Fault(f"Nothing came on {channel}.")
-            say(f"late {log.message}")
 
     def bulk_publish(self, channel: str, size: str) -> None:
         publisher = self.robot.advertise(channel, PointCloud)
@@ -164,37 +168,6 @@ class Peer:
         say("subscribed")
         self.input.waits()
         subscription.end()
-
-    def stream(self, channel: str) -> None:
-        publisher = self.robot.advertise(channel, Log)
-        self.await_subscriber(channel)
-        sent = 0
-        while not self.input.waits(0):
-            try:
-                publisher.publish(Log(message=str(sent + 1)), timeout=SLICE_S)
-            except hgros.QueueFull:
-                continue
-            sent += 1
-            if sent == 1:
-                say("streaming")
-        say(f"streamed {sent}")
-
-    def follow(self, channel: str) -> None:
-        count = 0
-        lock = threading.Lock()
-
-        def on_log(log: Log, info: hgros.MessageInfo) -> None:
-            nonlocal count
-            with lock:
-                count += 1
-                if count == 1:
-                    say("following")
-
-        subscription = self.robot.subscribe(channel, Log, on_log, queue=ROOM)
-        self.input.waits()
-        subscription.end()
-        with lock:
-            say(f"followed {count}")
 
 
 def main() -> int:

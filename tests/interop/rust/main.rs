@@ -2,6 +2,7 @@
 
 use hgros::{Error, PublishOptions, Publisher, Queue, ServeOptions, Session, Status, Subscription};
 use hgros_messages::foxglove::{Log, PointCloud, PoseInFrame};
+use std::cell::RefCell;
 use std::io::{Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -27,14 +28,11 @@ fn run() -> Result<(), Failure> {
         ["publish", channel, count] => publish(&session, channel, count.parse()?),
         ["subscribe", channel, count] => subscribe(&session, channel, count.parse()?),
         ["latch", channel, text] => latch(&session, channel, text),
-        ["late", channel] => late(&session, channel),
         ["bulk-publish", channel, bytes] => bulk_publish(&session, channel, bytes.parse()?),
         ["bulk-subscribe", channel, bytes] => bulk_subscribe(&session, channel, bytes.parse()?),
         ["serve", name] => serve(&session, name),
         ["call", name, text] => call(&session, name, text),
         ["misfit", channel] => misfit(&session, channel),
-        ["stream", channel] => stream(&session, channel),
-        ["follow", channel] => follow(&session, channel),
         _ => Err("usage: peer ROLE [ARGUMENT...]".into()),
     }
 }
@@ -56,31 +54,63 @@ fn log_of(text: &str) -> Log {
     log
 }
 
-fn advertise(session: &Session, channel: &str) -> hgros::Result<Publisher<Log>> {
-    session.advertise(channel, PublishOptions::default())
+/// Takes steps, `most` or until standard input is closed: then the session ends, which wakes what waits. Says how many.
+fn repeat(
+    session: &Session,
+    most: u64,
+    first: &str,
+    mut step: impl FnMut(u64) -> hgros::Result<()>,
+    last: impl FnOnce(u64) -> String,
+) {
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            wait_for_end_of_input();
+            over.store(true, Ordering::Release);
+            session.end();
+        });
+        let mut count = 0;
+        while count < most {
+            match step(count + 1) {
+                Ok(()) => count += 1,
+                Err(error) if error.status() == Status::Closed && over.load(Ordering::Acquire) => break,
+                Err(error) => fail(&error.to_string()),
+            }
+            if count == 1 {
+                say(first);
+            }
+        }
+        say(&last(count));
+    });
+}
+
+/// Also while another thread waits for the input.
+fn fail(sentence: &str) -> ! {
+    eprintln!("{sentence}");
+    std::process::exit(1);
 }
 
 fn publish(session: &Session, channel: &str, count: u64) -> Result<(), Failure> {
-    let publisher = advertise(session, channel)?;
+    let publisher: Publisher<Log> = session.advertise(channel, PublishOptions::default())?;
     session.wait_for_subscribers(channel, 1, PATIENCE)?;
-    for number in 1..=count {
-        publisher.publish_wait(&log_of(&number.to_string()), PATIENCE)?;
-    }
-    say(&format!("published {count}"));
-    wait_for_end_of_input();
+    let step = |number: u64| publisher.publish_wait(&log_of(&number.to_string()), Duration::MAX);
+    repeat(session, count, "publishing", step, |sent| format!("published {sent}"));
     Ok(())
 }
 
 fn subscribe(session: &Session, channel: &str, count: u64) -> Result<(), Failure> {
     let queue: Subscription<Log> = session.subscribe(channel, ROOM)?;
-    say("subscribed");
-    for number in 1..=count {
-        let log = queue.recv_timeout(PATIENCE)?;
-        if log.message != number.to_string() {
-            return Err(format!("The message is {:?} instead of {number}.", log.message).into());
+    let (mut from_one, last) = (false, RefCell::new(String::new()));
+    let step = |number: u64| {
+        let text = queue.recv()?.message;
+        from_one = if number == 1 { text == "1" } else { from_one };
+        if from_one && text != number.to_string() {
+            fail(&format!("The message is {text:?} instead of {number}."));
         }
-    }
-    say(&format!("received {count}"));
+        last.replace(text);
+        Ok(())
+    };
+    repeat(session, count, "receiving", step, |received| format!("received {received} {}", last.borrow()));
     Ok(())
 }
 
@@ -91,12 +121,6 @@ fn latch(session: &Session, channel: &str, text: &str) -> Result<(), Failure> {
     }
     say("latched");
     wait_for_end_of_input();
-    Ok(())
-}
-
-fn late(session: &Session, channel: &str) -> Result<(), Failure> {
-    let queue: Subscription<Log> = session.subscribe(channel, ROOM)?;
-    say(&format!("late {}", queue.recv_timeout(PATIENCE)?.message));
     Ok(())
 }
 
@@ -162,62 +186,5 @@ fn misfit(session: &Session, channel: &str) -> Result<(), Failure> {
     let _queue: Subscription<PoseInFrame> = session.subscribe(channel, ROOM)?;
     say("subscribed");
     wait_for_end_of_input();
-    Ok(())
-}
-
-/// Runs `work` until standard input is closed. Then the session ends, which wakes what waits.
-fn until_end_of_input(session: &Session, work: impl FnOnce() -> Result<(), Error>) -> Result<(), Failure> {
-    let over = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            wait_for_end_of_input();
-            over.store(true, Ordering::Release);
-            session.end();
-        });
-        match work() {
-            Err(error) if error.status() == Status::Closed && over.load(Ordering::Acquire) => Ok(()),
-            Err(error) => {
-                eprintln!("{error}"); // The other thread still waits for the input.
-                std::process::exit(1);
-            }
-            Ok(()) => Ok(()),
-        }
-    })
-}
-
-fn stream(session: &Session, channel: &str) -> Result<(), Failure> {
-    let publisher = advertise(session, channel)?;
-    session.wait_for_subscribers(channel, 1, PATIENCE)?;
-    let mut sent = 0_u64;
-    until_end_of_input(session, || loop {
-        // Without a subscriber, messages that nobody gets are published at a low rate.
-        match session.wait_for_subscribers(channel, 1, Duration::from_millis(50)) {
-            Err(error) if error.status() != Status::TimedOut => return Err(error),
-            _ => {}
-        }
-        publisher.publish_wait(&log_of(&(sent + 1).to_string()), Duration::MAX)?;
-        sent += 1;
-        if sent == 1 {
-            say("streaming");
-        }
-    })?;
-    say(&format!("streamed {sent}"));
-    Ok(())
-}
-
-fn follow(session: &Session, channel: &str) -> Result<(), Failure> {
-    let queue: Subscription<Log> = session.subscribe(channel, ROOM)?;
-    let mut received = 0_u64;
-    until_end_of_input(session, || {
-        for log in &queue {
-            log?;
-            received += 1;
-            if received == 1 {
-                say("following");
-            }
-        }
-        Ok(())
-    })?;
-    say(&format!("followed {received}"));
     Ok(())
 }
