@@ -26,6 +26,25 @@ struct Ends {
     (void)End(handle);
   }
 };
+template <class Result, class Handle>
+Handle* HandleOf(Result (*end)(Handle*));
+
+/// What a function opens, whose last argument says where the handle goes.
+template <auto End, class Function, class... Arguments>
+auto Opened(Function function, Arguments... arguments) {
+  decltype(HandleOf(End)) handle = nullptr;
+  EXPECT_EQ(function(arguments..., &handle), HGROS_OK) << LastError();
+  return std::unique_ptr<std::remove_pointer_t<decltype(handle)>, Ends<End>>(handle);
+}
+
+/// A struct of the interface with its size.
+template <class Struct>
+Struct Sized() {
+  Struct sized{};
+  sized.size = sizeof sized;
+  return sized;
+}
+
 using SessionHandle = std::unique_ptr<hgros_session, Ends<hgros_session_close>>;
 using SchemaHandle = std::unique_ptr<hgros_schema, Ends<hgros_schema_free>>;
 using MessageHandle = std::unique_ptr<hgros_message, Ends<hgros_message_free>>;
@@ -63,14 +82,11 @@ inline std::string DomainYaml() {
 }
 
 inline SessionHandle Open(const std::string& yaml, LogLines& log, const char* name = "robot") {
-  hgros_session_options options{};
-  options.size = sizeof options;
+  auto options = Sized<hgros_session_options>();
   options.name = name;
   options.log = &LogLines::Add;
   options.log_user = &log;
-  hgros_session* session = nullptr;
-  EXPECT_EQ(hgros_session_open(yaml.c_str(), &options, &session), HGROS_OK) << LastError();
-  return SessionHandle(session);
+  return Opened<hgros_session_close>(hgros_session_open, yaml.c_str(), &options);
 }
 
 /// Waits until the session knows who serves that. A call before that may find nobody.
@@ -80,8 +96,7 @@ inline bool AwaitServed(const SessionHandle& session, const std::string& service
     if (hgros_channels_open(session.get(), &channels) != HGROS_OK) return false;
     bool served = false;
     for (std::size_t i = 0; i < hgros_channels_count(channels); ++i) {
-      hgros_channel one{};
-      one.size = sizeof one;
+      auto one = Sized<hgros_channel>();
       if (hgros_channels_get(channels, i, &one) != HGROS_OK) continue;
       served = served || (one.name == "hgros/call/" + service && one.subscribers > 0);
     }
@@ -91,19 +106,14 @@ inline bool AwaitServed(const SessionHandle& session, const std::string& service
 }
 
 inline SchemaHandle TextSchema(const char* name = "text") {
-  hgros_schema* schema = nullptr;
-  EXPECT_EQ(hgros_schema_create(name, HGROS_ENCODING_CUSTOM, 0, nullptr, 0, &schema), HGROS_OK) << LastError();
-  return SchemaHandle(schema);
+  return Opened<hgros_schema_free>(hgros_schema_create, name, HGROS_ENCODING_CUSTOM, 0, nullptr, 0);
 }
 
 inline PublisherHandle Publisher(const SessionHandle& session, const char* channel, const SchemaHandle& schema,
                                  std::uint64_t latched = 0) {
-  hgros_publish_options options{};
-  options.size = sizeof options;
+  auto options = Sized<hgros_publish_options>();
   options.latched = latched;
-  hgros_publisher* publisher = nullptr;
-  EXPECT_EQ(hgros_publisher_open(session.get(), channel, schema.get(), &options, &publisher), HGROS_OK) << LastError();
-  return PublisherHandle(publisher);
+  return Opened<hgros_publisher_close>(hgros_publisher_open, session.get(), channel, schema.get(), &options);
 }
 
 inline hgros_status Publish(const PublisherHandle& publisher, std::string_view text) {
@@ -112,13 +122,10 @@ inline hgros_status Publish(const PublisherHandle& publisher, std::string_view t
 
 inline SubscriptionHandle Queue(const SessionHandle& session, const char* channel, std::uint64_t keep_all = 0,
                                 const hgros_schema* schema = nullptr) {
-  hgros_subscribe_options options{};
-  options.size = sizeof options;
+  auto options = Sized<hgros_subscribe_options>();
   options.keep_all = keep_all;
   options.schema = schema;
-  hgros_subscription* queue = nullptr;
-  EXPECT_EQ(hgros_subscribe_queue(session.get(), channel, &options, &queue), HGROS_OK) << LastError();
-  return SubscriptionHandle(queue);
+  return Opened<hgros_subscription_close>(hgros_subscribe_queue, session.get(), channel, &options);
 }
 
 inline std::string TextOf(const hgros_message* message) {
@@ -151,6 +158,18 @@ class Texts {
  private:
   mutable std::mutex mutex_;
   std::vector<std::string> texts_;
+};
+
+/// Sessions of a domain of their own.
+class CTest : public testing::Test {
+ protected:
+  SessionHandle OpenOther(const char* name = "other") { return Open(yaml, others_log, name); }
+
+  LogLines log;
+  LogLines others_log;
+  std::string yaml = DomainYaml();
+  SessionHandle session = Open(yaml, log);
+  SchemaHandle text = TextSchema();
 };
 
 }  // namespace hgros::test

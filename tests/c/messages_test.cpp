@@ -17,13 +17,7 @@ using test::Publisher;
 using test::Take;
 using test::Texts;
 
-class CMessages : public testing::Test {
- protected:
-  LogLines log;
-  std::string yaml = test::DomainYaml();
-  test::SessionHandle session = test::Open(yaml, log);
-  test::SchemaHandle text = test::TextSchema();
-};
+using CMessages = test::CTest;
 
 bool IsReadable(const test::SubscriptionHandle& queue) {
   pollfd one{hgros_queue_descriptor(queue.get()), POLLIN, 0};
@@ -31,8 +25,7 @@ bool IsReadable(const test::SubscriptionHandle& queue) {
 }
 
 hgros_subscription_stats StatsOf(const test::SubscriptionHandle& subscription) {
-  hgros_subscription_stats stats{};
-  stats.size = sizeof stats;
+  auto stats = test::Sized<hgros_subscription_stats>();
   EXPECT_EQ(hgros_subscription_get_stats(subscription.get(), &stats), HGROS_OK);
   return stats;
 }
@@ -44,20 +37,17 @@ TEST_F(CMessages, CallbackGetsBytesSchemaAndSender) {
     std::string type;
     hgros_message_info info{};
   } seen;
-  hgros_subscription* subscription = nullptr;
-  ASSERT_EQ(hgros_subscribe(
-                session.get(), "words", nullptr,
-                [](void* user, const hgros_message* message) {
-                  auto& into = *static_cast<Seen*>(user);
-                  into.text = test::TextOf(message);
-                  into.type = hgros_schema_type_name(hgros_message_schema(message));
-                  into.info.size = sizeof into.info;
-                  EXPECT_EQ(hgros_message_get_info(message, &into.info), HGROS_OK);
-                  ++into.count;
-                },
-                &seen, nullptr, &subscription),
-            HGROS_OK);
-  const test::SubscriptionHandle owned(subscription);
+  const auto owned = test::Opened<hgros_subscription_close>(
+      hgros_subscribe, session.get(), "words", nullptr,
+      [](void* user, const hgros_message* message) {
+        auto& into = *static_cast<Seen*>(user);
+        into.text = test::TextOf(message);
+        into.type = hgros_schema_type_name(hgros_message_schema(message));
+        into.info.size = sizeof into.info;
+        EXPECT_EQ(hgros_message_get_info(message, &into.info), HGROS_OK);
+        ++into.count;
+      },
+      &seen, nullptr);
   const auto publisher = Publisher(session, "words", text);
   ASSERT_EQ(Publish(publisher, "hello"), HGROS_OK);
   ASSERT_TRUE(Await([&] { return seen.count == 1; }));
@@ -96,12 +86,9 @@ TEST_F(CMessages, TakeWaitsForAMessageOfAnotherThread) {
 }
 
 TEST_F(CMessages, KeepLastDropsTheOldestAndCounts) {
-  hgros_subscribe_options options{};
-  options.size = sizeof options;
+  auto options = test::Sized<hgros_subscribe_options>();
   options.keep_last = 2;
-  hgros_subscription* subscription = nullptr;
-  ASSERT_EQ(hgros_subscribe_queue(session.get(), "words", &options, &subscription), HGROS_OK);
-  const test::SubscriptionHandle queue(subscription);
+  const auto queue = test::Opened<hgros_subscription_close>(hgros_subscribe_queue, session.get(), "words", &options);
   const auto publisher = Publisher(session, "words", text);
   for (const char* word : {"a", "b", "c", "d"}) EXPECT_EQ(Publish(publisher, word), HGROS_OK);
   EXPECT_EQ(Take(queue, 0), "c");
@@ -237,8 +224,7 @@ TEST_F(CMessages, AnotherTypeInThisSessionIsRefusedNamingBoth) {
   EXPECT_EQ(second, nullptr);
   EXPECT_NE(LastError().find("number"), std::string::npos) << LastError();
   EXPECT_NE(LastError().find("text"), std::string::npos) << LastError();
-  hgros_subscribe_options options{};
-  options.size = sizeof options;
+  auto options = test::Sized<hgros_subscribe_options>();
   options.schema = numbers.get();
   hgros_subscription* queue = nullptr;
   EXPECT_EQ(hgros_subscribe_queue(session.get(), "words", &options, &queue), HGROS_TYPE_MISMATCH);
@@ -248,22 +234,18 @@ TEST_F(CMessages, AnotherSessionsMessagesOfAnotherTypeAreCountedAndReported) {
   const auto numbers = test::TextSchema("number");
   const auto queue = test::Queue(session, "words", 0, numbers.get());
   std::atomic<bool> told{false};
-  hgros_watch* watch = nullptr;
-  ASSERT_EQ(hgros_watch_peers(
-                session.get(),
-                [](void* user, int32_t event, const hgros_peer* peer, const char* channel, const char* reason) {
-                  if (event != HGROS_PEER_TYPE_MISMATCH) return;
-                  EXPECT_STREQ(channel, "words");
-                  EXPECT_STREQ(peer->process, "other");
-                  EXPECT_NE(std::string(reason).find("text"), std::string::npos) << reason;
-                  EXPECT_NE(std::string(reason).find("number"), std::string::npos) << reason;
-                  *static_cast<std::atomic<bool>*>(user) = true;
-                },
-                &told, nullptr, &watch),
-            HGROS_OK);
-  const test::WatchHandle watching(watch);
-  LogLines others_log;
-  const auto other = test::Open(yaml, others_log, "other");
+  const auto watching = test::Opened<hgros_watch_close>(
+      hgros_watch_peers, session.get(),
+      [](void* user, int32_t event, const hgros_peer* peer, const char* channel, const char* reason) {
+        if (event != HGROS_PEER_TYPE_MISMATCH) return;
+        EXPECT_STREQ(channel, "words");
+        EXPECT_STREQ(peer->process, "other");
+        EXPECT_NE(std::string(reason).find("text"), std::string::npos) << reason;
+        EXPECT_NE(std::string(reason).find("number"), std::string::npos) << reason;
+        *static_cast<std::atomic<bool>*>(user) = true;
+      },
+      &told, nullptr);
+  const auto other = OpenOther();
   const auto publisher = Publisher(other, "words", text);
   ASSERT_TRUE(Await([&] {
     EXPECT_EQ(Publish(publisher, "no number"), HGROS_OK);
@@ -279,13 +261,10 @@ TEST_F(CMessages, TypesOfTheLibraryAreKnownByTheirNames) {
   const test::SchemaHandle known(schema);
   std::size_t size = 0;
   ASSERT_NE(hgros_schema_descriptor_set(schema, &size), nullptr);
-  hgros_schema* made = nullptr;
-  ASSERT_EQ(hgros_schema_create("foxglove.Log", HGROS_ENCODING_PROTOBUF, 0,
-                                hgros_schema_descriptor_set(schema, nullptr), size, &made),
-            HGROS_OK);
-  const test::SchemaHandle same(made);
-  EXPECT_NE(hgros_schema_fingerprint(made), 0U);
-  EXPECT_EQ(hgros_schema_fingerprint(made), hgros_schema_fingerprint(schema));
+  const auto same = test::Opened<hgros_schema_free>(hgros_schema_create, "foxglove.Log", HGROS_ENCODING_PROTOBUF, 0,
+                                                    hgros_schema_descriptor_set(schema, nullptr), size);
+  EXPECT_NE(hgros_schema_fingerprint(same.get()), 0U);
+  EXPECT_EQ(hgros_schema_fingerprint(same.get()), hgros_schema_fingerprint(schema));
   EXPECT_EQ(hgros_schema_known("foxglove.Lof", &schema), HGROS_NOT_FOUND);
   EXPECT_EQ(schema, nullptr);
   EXPECT_EQ(hgros_schema_create("foxglove.Log", HGROS_ENCODING_PROTOBUF, 0, "junk", 4, &schema), HGROS_ERROR);
@@ -293,8 +272,7 @@ TEST_F(CMessages, TypesOfTheLibraryAreKnownByTheirNames) {
 
 TEST_F(CMessages, FourMegabytesInALoanReachAnotherSessionWithoutACopy) {
   constexpr std::size_t kBytes = 4 << 20;
-  LogLines others_log;
-  const auto other = test::Open(yaml, others_log, "other");
+  const auto other = OpenOther();
   const auto queue = test::Queue(other, "images");
   const auto publisher = Publisher(session, "images", text);
   ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "images", 1, -1), HGROS_OK);
@@ -303,15 +281,11 @@ TEST_F(CMessages, FourMegabytesInALoanReachAnotherSessionWithoutACopy) {
   std::memset(hgros_loan_data(loan, nullptr), 'x', kBytes);
   ASSERT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
   hgros_loan_free(loan);
-  hgros_message* message = nullptr;
-  ASSERT_EQ(hgros_queue_take(queue.get(), -1, &message), HGROS_OK);
-  const test::MessageHandle owned(message);
-  EXPECT_EQ(test::TextOf(message), std::string(kBytes, 'x'));
-  hgros_message* snapshot = nullptr;
-  ASSERT_EQ(hgros_session_snapshot(session.get(), &snapshot), HGROS_OK);
-  const test::MessageHandle counters(snapshot);
-  EXPECT_STREQ(hgros_schema_type_name(hgros_message_schema(snapshot)), "hgros.Snapshot");
-  EXPECT_NE(test::TextOf(snapshot).find("images"), std::string::npos);
+  const auto owned = test::Opened<hgros_message_free>(hgros_queue_take, queue.get(), -1);
+  EXPECT_EQ(test::TextOf(owned.get()), std::string(kBytes, 'x'));
+  const auto counters = test::Opened<hgros_message_free>(hgros_session_snapshot, session.get());
+  EXPECT_STREQ(hgros_schema_type_name(hgros_message_schema(counters.get())), "hgros.Snapshot");
+  EXPECT_NE(test::TextOf(counters.get()).find("images"), std::string::npos);
 }
 
 }  // namespace

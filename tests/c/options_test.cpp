@@ -5,11 +5,9 @@ namespace hgros {
 namespace {
 
 using test::LastError;
-using test::LogLines;
+using COptions = test::CTest;
 
-TEST(COptions, StructsOfAnEarlierVersionAreReadAsFarAsTheyGo) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
+TEST_F(COptions, StructsOfAnEarlierVersionAreReadAsFarAsTheyGo) {
   hgros_subscribe_options options{};
   options.keep_last = 1;
   options.keep_all = 7;  // Behind the end of the earlier struct.
@@ -36,9 +34,7 @@ struct Later {
   Later() { known.size = sizeof *this; }
 };
 
-TEST(COptions, FieldsOfALaterVersionAreRefusedUnlessTheyAreZero) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
+TEST_F(COptions, FieldsOfALaterVersionAreRefusedUnlessTheyAreZero) {
   Later<hgros_subscribe_options> options;
   hgros_subscription* queue = nullptr;
   ASSERT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_OK) << LastError();
@@ -54,7 +50,7 @@ TEST(COptions, FieldsOfALaterVersionAreRefusedUnlessTheyAreZero) {
   EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_INVALID_ARGUMENT) << "garbage";
 }
 
-TEST(COptions, LogIsReleasedIfTheSessionIsRefusedOrHasNoUseForIt) {
+TEST_F(COptions, LogIsReleasedIfTheSessionIsRefusedOrHasNoUseForIt) {
   std::atomic<int> released{0};
   Later<hgros_session_options> options;
   options.known.log = [](void*, int32_t, const char*) {};
@@ -78,16 +74,13 @@ TEST(COptions, LogIsReleasedIfTheSessionIsRefusedOrHasNoUseForIt) {
   EXPECT_EQ(released, 5);
 }
 
-TEST(COptions, ThoseWithoutAnEffectAreRefused) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
+TEST_F(COptions, ThoseWithoutAnEffectAreRefused) {
   const auto refused = [&](const char* field, const hgros_subscribe_options& options) {
     hgros_subscription* queue = nullptr;
     EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_INVALID_ARGUMENT) << field;
     EXPECT_NE(LastError().find(field), std::string::npos) << LastError();
   };
-  hgros_subscribe_options options{};
-  options.size = sizeof options;
+  auto options = test::Sized<hgros_subscribe_options>();
   options.executor = HGROS_EXECUTOR_DEDICATED;
   refused("executor", options);
   options.executor = 17;
@@ -95,8 +88,7 @@ TEST(COptions, ThoseWithoutAnEffectAreRefused) {
   options.executor = 0;
   options.keep_all_bytes = 1;
   refused("keep_all_bytes", options);
-  hgros_timer_options timing{};
-  timing.size = sizeof timing;
+  auto timing = test::Sized<hgros_timer_options>();
   timing.first_ns = -1;
   hgros_timer* timer = nullptr;
   EXPECT_EQ(hgros_timer_open(

@@ -19,18 +19,15 @@ using TransformsHandle = std::unique_ptr<hgros_transforms, test::Ends<hgros_tran
 using ClockHandle = std::unique_ptr<hgros_simulated_clock, test::Ends<hgros_simulated_clock_close>>;
 using TimerHandle = std::unique_ptr<hgros_timer, test::Ends<hgros_timer_close>>;
 
-class CParts : public testing::Test {
+class CParts : public test::CTest {
  protected:
   static ParamsHandle Params(const test::SessionHandle& session, const std::vector<std::string>& files = {}) {
     std::vector<const char*> paths;
     for (const std::string& file : files) paths.push_back(file.c_str());
-    hgros_params* params = nullptr;
-    EXPECT_EQ(hgros_params_open(session.get(), paths.data(), paths.size(), &params), HGROS_OK) << LastError();
-    return ParamsHandle(params);
+    return test::Opened<hgros_params_close>(hgros_params_open, session.get(), paths.data(), paths.size());
   }
   static void DeclareSpeed(const ParamsHandle& params) {
-    hgros_param_info info{};
-    info.size = sizeof info;
+    auto info = test::Sized<hgros_param_info>();
     info.description = "Speed of the base";
     info.unit = "m/s";
     info.has_least = info.has_most = 1;
@@ -42,14 +39,9 @@ class CParts : public testing::Test {
     EXPECT_EQ(hgros_params_get_number(params.get(), "speed", &speed), HGROS_OK) << LastError();
     return speed;
   }
-
-  std::string yaml = test::DomainYaml();
-  LogLines log;
-  LogLines others_log;
 };
 
 TEST_F(CParts, ParametersHaveKindsAndBounds) {
-  const auto session = test::Open(yaml, log);
   const auto params = Params(session);
   DeclareSpeed(params);
   EXPECT_EQ(Speed(params), 0.5);
@@ -72,13 +64,13 @@ TEST_F(CParts, ParametersOfAnyShapeAreYaml) {
   ASSERT_EQ(hgros_params_set(params.get(), "arm", "{joints: [1, 2.5], name: \"left\", on: true}"), HGROS_OK);
   EXPECT_EQ(hgros_params_set_integer(params.get(), "arm.count", 3), HGROS_OK);
   EXPECT_EQ(hgros_params_set_bool(params.get(), "arm.on", 0), HGROS_OK);
-  char* text = nullptr;
-  ASSERT_EQ(hgros_params_get(params.get(), "arm.joints", &text), HGROS_OK);
-  EXPECT_STREQ(text, "[1, 2.5]");
-  hgros_text_free(text);
-  ASSERT_EQ(hgros_params_get_text(params.get(), "arm.name", &text), HGROS_OK);
-  EXPECT_STREQ(text, "left");
-  hgros_text_free(text);
+  char* value = nullptr;
+  ASSERT_EQ(hgros_params_get(params.get(), "arm.joints", &value), HGROS_OK);
+  EXPECT_STREQ(value, "[1, 2.5]");
+  hgros_text_free(value);
+  ASSERT_EQ(hgros_params_get_text(params.get(), "arm.name", &value), HGROS_OK);
+  EXPECT_STREQ(value, "left");
+  hgros_text_free(value);
   std::int64_t count = 0;
   EXPECT_EQ(hgros_params_get_integer(params.get(), "arm.count", &count), HGROS_OK);
   EXPECT_EQ(count, 3);
@@ -86,8 +78,8 @@ TEST_F(CParts, ParametersOfAnyShapeAreYaml) {
   EXPECT_EQ(hgros_params_get_bool(params.get(), "arm.on", &on), HGROS_OK);
   EXPECT_EQ(on, 0);
   EXPECT_EQ(hgros_params_set(params.get(), "arm", "{joints: ["), HGROS_CONFIG_ERROR);
-  EXPECT_EQ(hgros_params_get(params.get(), "leg", &text), HGROS_REFUSED);
-  EXPECT_EQ(text, nullptr);
+  EXPECT_EQ(hgros_params_get(params.get(), "leg", &value), HGROS_REFUSED);
+  EXPECT_EQ(value, nullptr);
 }
 
 TEST_F(CParts, ParametersAreReadFromFilesAndSaved) {
@@ -126,21 +118,18 @@ struct Changes {
 };
 
 TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
-  const auto session = test::Open(yaml, log, "base");
-  const auto other = test::Open(yaml, others_log, "desk");
+  const auto other = OpenOther();
   const auto own = Params(session);
   DeclareSpeed(own);
-  hgros_params* opened = nullptr;
-  ASSERT_EQ(hgros_params_of(other.get(), "base", std::int64_t{45'000'000'000}, &opened), HGROS_OK);
-  const ParamsHandle remote(opened);
+  const auto remote =
+      test::Opened<hgros_params_close>(hgros_params_of, other.get(), "robot", std::int64_t{45'000'000'000});
   EXPECT_EQ(Speed(remote), 0.5);
   EXPECT_EQ(hgros_params_set_number(remote.get(), "speed", 5), HGROS_REFUSED);
   EXPECT_EQ(hgros_params_set_number(remote.get(), "spee", 1), HGROS_REFUSED) << "it must exist";
   Changes here;
   here.params = own.get();
-  hgros_watch* watch = nullptr;
-  ASSERT_EQ(hgros_params_watch(own.get(), "speed", &Changes::Note, &here, nullptr, &watch), HGROS_OK);
-  const test::WatchHandle watching(watch);
+  const auto watching =
+      test::Opened<hgros_watch_close>(hgros_params_watch, own.get(), "speed", &Changes::Note, &here, nullptr);
   ASSERT_EQ(hgros_params_set_number(remote.get(), "speed", 1), HGROS_OK) << LastError();
   EXPECT_EQ(Speed(own), 1);
   EXPECT_TRUE(Await([&] { return here.Saw("speed=1.0"); })) << here.seen.at(0);
@@ -149,28 +138,22 @@ TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
 }
 
 TEST_F(CParts, EndOfASessionEndsItsWaitForTheParametersOfAnother) {
-  const auto session = test::Open(yaml, log, "base");
-  const auto other = test::Open(yaml, others_log, "desk");
+  const auto other = OpenOther();
   const auto own = Params(session);
   DeclareSpeed(own);
-  hgros_params* opened = nullptr;
-  ASSERT_EQ(hgros_params_of(other.get(), "base", INT64_MAX, &opened), HGROS_OK);
-  const ParamsHandle remote(opened);
+  const auto remote = test::Opened<hgros_params_close>(hgros_params_of, other.get(), "robot", INT64_MAX);
   struct Listener {
     std::atomic<bool> entered{false};
     test::Door door;
   } listener;
-  hgros_watch* watch = nullptr;
-  ASSERT_EQ(hgros_params_watch(
-                own.get(), "speed",
-                [](void* user, const char*, const char*) {
-                  auto& of = *static_cast<Listener*>(user);
-                  of.entered = true;
-                  of.door.Pass();
-                },
-                &listener, nullptr, &watch),
-            HGROS_OK);
-  const test::WatchHandle watching(watch);
+  const auto watching = test::Opened<hgros_watch_close>(
+      hgros_params_watch, own.get(), "speed",
+      [](void* user, const char*, const char*) {
+        auto& of = *static_cast<Listener*>(user);
+        of.entered = true;
+        of.door.Pass();
+      },
+      &listener, nullptr);
   std::atomic<hgros_status> set{-1};
   std::thread setting([&] { set = hgros_params_set_number(remote.get(), "speed", 1); });
   EXPECT_TRUE(Await([&] { return listener.entered.load(); }));
@@ -257,11 +240,9 @@ TEST_F(CParts, TwoWatchesMayCloseEachOtherInTheirCallbacks) {
 hgros_transform Pose(double x, std::int64_t stamp_ns) { return {{x, 0, 0}, {0, 0, 0, 1}, stamp_ns}; }
 
 TEST_F(CParts, TransformsAreLookedUpByNameOrSayWhyNot) {
-  const auto session = test::Open(yaml, log);
-  hgros_transforms* opened = nullptr;
-  ASSERT_EQ(hgros_transforms_open(session.get(), &opened), HGROS_OK);
-  const TransformsHandle transforms(opened);
-  EXPECT_EQ(hgros_transforms_open(session.get(), &opened), HGROS_ERROR) << "one at a time";
+  const auto transforms = test::Opened<hgros_transforms_close>(hgros_transforms_open, session.get());
+  hgros_transforms* second_open = nullptr;
+  EXPECT_EQ(hgros_transforms_open(session.get(), &second_open), HGROS_ERROR) << "one at a time";
   const std::int64_t now = hgros_wall_now();
   const hgros_transform laser = {{0, 0, 1}, {0, 0, std::sqrt(0.5), std::sqrt(0.5)}, 0};
   ASSERT_EQ(hgros_transforms_set_static(transforms.get(), "base", "laser", &laser), HGROS_OK) << LastError();
@@ -288,13 +269,9 @@ TEST_F(CParts, TransformsAreLookedUpByNameOrSayWhyNot) {
 }
 
 TEST_F(CParts, TransformsReachOtherSessions) {
-  const auto session = test::Open(yaml, log);
-  const auto other = test::Open(yaml, others_log, "other");
-  hgros_transforms* opened = nullptr;
-  ASSERT_EQ(hgros_transforms_open(session.get(), &opened), HGROS_OK);
-  const TransformsHandle sends(opened);
-  ASSERT_EQ(hgros_transforms_open(other.get(), &opened), HGROS_OK);
-  const TransformsHandle receives(opened);
+  const auto other = OpenOther();
+  const auto sends = test::Opened<hgros_transforms_close>(hgros_transforms_open, session.get());
+  const auto receives = test::Opened<hgros_transforms_close>(hgros_transforms_open, other.get());
   const hgros_transform pose = Pose(2, 0);
   ASSERT_EQ(hgros_transforms_set_static(sends.get(), "map", "dock", &pose), HGROS_OK);
   hgros_transform found{};
@@ -303,10 +280,8 @@ TEST_F(CParts, TransformsReachOtherSessions) {
 }
 
 TEST_F(CParts, TimersFollowASimulatedClock) {
-  const auto session = test::Open(yaml + "\ntime: simulated\n", log);
-  hgros_simulated_clock* published = nullptr;
-  ASSERT_EQ(hgros_simulated_clock_open(session.get(), 1000, 1, &published), HGROS_OK) << LastError();
-  const ClockHandle clock(published);
+  session = test::Open(yaml + "\ntime: simulated\n", log);
+  const auto clock = test::Opened<hgros_simulated_clock_close>(hgros_simulated_clock_open, session.get(), 1000, 1);
   ASSERT_TRUE(Await([&] { return hgros_session_now(session.get()) == 1000; }));
   struct Turns {
     std::atomic<int> count{0};
@@ -345,7 +320,6 @@ TEST_F(CParts, TimersFollowASimulatedClock) {
 }
 
 TEST_F(CParts, SimulatedClockRefusesTimesThatNoneCouldFollow) {
-  const auto session = test::Open(yaml, log);
   constexpr std::int64_t kFarthest = std::int64_t{1} << 62U;
   hgros_simulated_clock* opened = nullptr;
   EXPECT_EQ(hgros_simulated_clock_open(session.get(), INT64_MIN, 1, &opened), HGROS_INVALID_ARGUMENT);
@@ -362,7 +336,6 @@ TEST_F(CParts, SimulatedClockRefusesTimesThatNoneCouldFollow) {
 }
 
 TEST_F(CParts, TimerMayBeClosedInItsOwnCallback) {
-  const auto session = test::Open(yaml, log);
   struct Turning {
     hgros_timer* timer = nullptr;
     test::Door opened;

@@ -6,9 +6,6 @@
      peer hold CHANNEL
          subscribes losslessly with room for one message and takes none
 
-     peer measure CHANNEL
-         takes one message and prints its size, and the sum of its bytes
-
      peer serve NAME
          serves NAME, the request in upper case, until it is killed
 */
@@ -73,16 +70,6 @@ int main(int count, char** arguments) {
     hgros_subscription* const queue = Queue(session, arguments[2], 1);
     Say("ready");
     Require(hgros_session_sleep_until(session, INT64_MAX));
-    hgros_subscription_close(queue);
-  } else if (strcmp(arguments[1], "measure") == 0) {
-    hgros_subscription* const queue = Queue(session, arguments[2], 1);
-    uint64_t sum = 0;
-    Say("ready");
-    Require(hgros_queue_take(queue, kPatience, &message));
-    const unsigned char* const bytes = hgros_message_data(message, &size);
-    for (size_t i = 0; i < size; ++i) sum += bytes[i];
-    printf("%lu %lu\n", (unsigned long)size, (unsigned long)sum);
-    hgros_message_free(message);
     hgros_subscription_close(queue);
   } else if (strcmp(arguments[1], "serve") == 0) {
     hgros_schema* text = NULL;

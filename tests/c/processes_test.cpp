@@ -70,13 +70,7 @@ class Peer {
   FILE* output_ = nullptr;
 };
 
-class CProcesses : public testing::Test {
- protected:
-  LogLines log;
-  std::string yaml = test::DomainYaml();
-  test::SessionHandle session = test::Open(yaml, log);
-  test::SchemaHandle text = test::TextSchema();
-};
+using CProcesses = test::CTest;
 
 TEST_F(CProcesses, SlowLosslessTakerHoldsThePublisherBackAndMissesNothing) {
   constexpr int kMessages = 60;
@@ -98,57 +92,21 @@ TEST_F(CProcesses, SlowLosslessTakerHoldsThePublisherBackAndMissesNothing) {
   EXPECT_EQ(peer.Exit(), 0);
 }
 
-TEST_F(CProcesses, LatchedMessageReachesAProcessThatStartsLater) {
-  const auto publisher = Publisher(session, "map", text, 1);
-  ASSERT_EQ(Publish(publisher, "old"), HGROS_OK);
-  ASSERT_EQ(Publish(publisher, "latest"), HGROS_OK);
-  Peer peer({"take", "map", "1", "4"});
-  EXPECT_EQ(peer.Line(), "latest");
-  EXPECT_EQ(peer.Exit(), 0);
-}
-
 TEST_F(CProcesses, KilledLosslessSubscriberFreesThePublisher) {
   const auto publisher = Publisher(session, "words", text);
   std::atomic<bool> gone{false};
-  hgros_watch* watch = nullptr;
-  ASSERT_EQ(hgros_watch_peers(
-                session.get(),
-                [](void* user, int32_t event, const hgros_peer*, const char*, const char*) {
-                  if (event == HGROS_PEER_GONE) *static_cast<std::atomic<bool>*>(user) = true;
-                },
-                &gone, nullptr, &watch),
-            HGROS_OK);
-  const test::WatchHandle watching(watch);
+  const auto watching = test::Opened<hgros_watch_close>(
+      hgros_watch_peers, session.get(),
+      [](void* user, int32_t event, const hgros_peer*, const char*, const char*) {
+        if (event == HGROS_PEER_GONE) *static_cast<std::atomic<bool>*>(user) = true;
+      },
+      &gone, nullptr);
   Peer peer({"hold", "words"});
   ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "words", 1, kPatienceNs), HGROS_OK);
   ASSERT_TRUE(Await([&] { return Publish(publisher, "x") == HGROS_FULL; }));
   peer.Kill();
   EXPECT_EQ(hgros_publish_wait(publisher.get(), "y", 1, kPatienceNs), HGROS_OK) << LastError();
   EXPECT_TRUE(Await([&] { return gone.load(); }));
-}
-
-TEST_F(CProcesses, LoanOfFourMegabytesIsReadInSharedMemory) {
-  constexpr std::size_t kBytes = 4 << 20;
-  const auto publisher = Publisher(session, "images", text);
-  Peer peer({"measure", "images"});
-  ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "images", 1, kPatienceNs), HGROS_OK);
-  // A pair that has no shared memory within two seconds begins with ZeroMQ, and moves later.
-  ASSERT_TRUE(Await([&] {
-    hgros_peers* peers = nullptr;
-    if (hgros_peers_open(session.get(), &peers) != HGROS_OK) return false;
-    hgros_peer one{};
-    one.size = sizeof one;
-    const bool shared = hgros_peers_get(peers, 0, &one) == HGROS_OK && one.transport == std::string("shared memory");
-    hgros_peers_free(peers);
-    return shared;
-  }));
-  hgros_loan* loan = nullptr;
-  ASSERT_EQ(hgros_loan_open(publisher.get(), kBytes, &loan), HGROS_OK);
-  std::memset(hgros_loan_data(loan, nullptr), 3, kBytes);
-  ASSERT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
-  hgros_loan_free(loan);
-  EXPECT_EQ(peer.Line(), std::to_string(kBytes) + " " + std::to_string(3 * kBytes));
-  EXPECT_EQ(peer.Exit(), 0);
 }
 
 // Another thread is inside while the process forks, so the child finds it counted as a user.

@@ -63,8 +63,7 @@ hgros_publisher* PublisherOf(Fixture& fixture) {
 // The callback closes its own subscription, so its pointer is let go on the thread that has run it.
 void SubscribeAndCloseInside(Fixture& fixture, std::int32_t executor) {
   Program& program = fixture.program;
-  hgros_subscribe_options options{};
-  options.size = sizeof options;
+  auto options = test::Sized<hgros_subscribe_options>();
   options.executor = executor;
   ASSERT_EQ(
       hgros_subscribe(
@@ -122,9 +121,8 @@ TEST(CReleaseElsewhere, OfAnEndedCallMayCloseTheSession) {
   Program& program = fixture.program;
   LogLines log;
   const auto server = test::Open("data_graph: {threads: 2}", log, "server");
-  hgros_service* served = nullptr;
-  ASSERT_EQ(hgros_serve_queue(server.get(), "ask", fixture.text.get(), fixture.text.get(), nullptr, &served), HGROS_OK);
-  const test::ServiceHandle service(served);
+  const auto service = test::Opened<hgros_service_close>(hgros_serve_queue, server.get(), "ask", fixture.text.get(),
+                                                         fixture.text.get(), nullptr);
   ASSERT_EQ(hgros_call_later(
                 program.session, "ask", fixture.text.get(), "x", 1, fixture.text.get(), 300'000'000,
                 [](void*, hgros_status, const char*, const hgros_message*) {}, &program, &Program::Release, nullptr),

@@ -19,7 +19,7 @@ struct Taken {
   std::unique_ptr<hgros_reply, test::Ends<hgros_reply_free>> reply;
 };
 
-class CServiceQueue : public testing::Test {
+class CServiceQueue : public test::CTest {
  protected:
   test::ServiceHandle Serve() {
     hgros_service* service = nullptr;
@@ -51,17 +51,12 @@ class CServiceQueue : public testing::Test {
     });
   }
 
-  std::string yaml = test::DomainYaml();
-  LogLines log;
-  LogLines others_log;
-  test::SessionHandle session = test::Open(yaml, log);
-  test::SchemaHandle text = test::TextSchema();
   test::Texts replies;
 };
 
 TEST_F(CServiceQueue, RequestsOfBothSessionsAreTakenAndAnsweredByTheProgram) {
   const auto service = Serve();
-  const auto other = test::Open(yaml, others_log, "other");
+  const auto other = OpenOther();
   ASSERT_TRUE(test::AwaitServed(other, "ask"));
   EXPECT_FALSE(IsReadable(service));
   EXPECT_EQ(Take(service, 0).status, HGROS_TIMED_OUT);
@@ -123,7 +118,7 @@ TEST_F(CServiceQueue, EndWakesItsThreadsAndFailsWhatWaits) {
 
 TEST_F(CServiceQueue, EndedServiceIsNoLongerFound) {
   const auto service = Serve();
-  const auto other = test::Open(yaml, others_log, "other");
+  const auto other = OpenOther();
   ASSERT_TRUE(test::AwaitServed(other, "ask"));
   std::thread first = Caller(other, "1");
   EXPECT_EQ(hgros_reply_set(Take(service).reply.get(), "one", 3), HGROS_OK);
@@ -152,13 +147,12 @@ TEST_F(CServiceQueue, RequestWhoseCallerGaveUpIsSkippedAndCounted) {
   EXPECT_EQ(test::TextOf(taken.request.get()), "next");
   EXPECT_EQ(hgros_reply_set(taken.reply.get(), "done", 4), HGROS_OK);
   caller.join();
-  hgros_message* snapshot = nullptr;
-  ASSERT_EQ(hgros_session_snapshot(session.get(), &snapshot), HGROS_OK);
-  const test::MessageHandle owned(snapshot);
+  const auto owned = test::Opened<hgros_message_free>(hgros_session_snapshot, session.get());
   // hgros.Snapshot: the service's name, then field 2, unhandled_requests: 1.
-  EXPECT_NE(test::TextOf(snapshot).find(std::string("\x0a\x03"
-                                                    "ask"
-                                                    "\x10\x01")),
+  EXPECT_NE(test::TextOf(owned.get())
+                .find(std::string("\x0a\x03"
+                                  "ask"
+                                  "\x10\x01")),
             std::string::npos);
 }
 
@@ -172,7 +166,7 @@ TEST_F(CServiceQueue, ThreadOfItsOwnCannotBeConfiguredAway) {
 
 TEST_F(CServiceQueue, EndsWithItsSession) {
   const auto service = Serve();
-  const auto other = test::Open(yaml, others_log, "other");
+  const auto other = OpenOther();
   ASSERT_TRUE(test::AwaitServed(other, "ask"));
   std::thread caller = Caller(other, "1");
   const Taken taken = Take(service);
@@ -186,8 +180,7 @@ TEST_F(CServiceQueue, EndsWithItsSession) {
 }
 
 TEST_F(CServiceQueue, OptionsOfHandlersAreRefused) {
-  hgros_serve_options options{};
-  options.size = sizeof options;
+  auto options = test::Sized<hgros_serve_options>();
   options.concurrent = 1;
   hgros_service* service = nullptr;
   EXPECT_EQ(hgros_serve_queue(session.get(), "ask", text.get(), text.get(), &options, &service),

@@ -23,7 +23,7 @@ struct Ended {
   static void Release(void* user) { ++static_cast<Ended*>(user)->released; }
 };
 
-class CServices : public testing::Test {
+class CServices : public test::CTest {
  protected:
   // Replies with the request, or fails with it if it begins with "!". "?" gets no reply.
   static void Echo(void* /*user*/, const hgros_message* request, hgros_reply* reply) {
@@ -69,17 +69,11 @@ class CServices : public testing::Test {
     const test::MessageHandle owned(reply);
     return status == HGROS_OK ? test::TextOf(reply) : "<" + std::string(hgros_status_name(status)) + ">";
   }
-
-  std::string yaml = test::DomainYaml();
-  LogLines log;
-  LogLines others_log;
-  test::SessionHandle session = test::Open(yaml, log);
-  test::SchemaHandle text = test::TextSchema();
 };
 
 TEST_F(CServices, AnswerInTheSameSessionAndInAnother) {
   const auto service = Serve(session);
-  const auto other = test::Open(yaml, others_log, "other");
+  const auto other = OpenOther();
   EXPECT_EQ(Call(session, "here"), "here");
   ASSERT_TRUE(test::AwaitServed(other, "echo"));
   EXPECT_EQ(Call(other, "there"), "there");
@@ -153,7 +147,7 @@ TEST_F(CServices, CancelledCallTellsItsCallback) {
 
 TEST_F(CServices, EndOfTheSessionEndsItsCalls) {
   test::Door door;
-  const auto other = test::Open(yaml, others_log, "other");
+  const auto other = OpenOther();
   const auto service = ServeBehind(door, other);
   Ended ended;
   hgros_pending_call* call = nullptr;

@@ -17,8 +17,9 @@ using test::Publish;
 using test::Publisher;
 using test::Take;
 using test::Texts;
+using CSession = test::CTest;
 
-TEST(CSession, NullArgumentsGiveACodeAndASentence) {
+TEST_F(CSession, NullArgumentsGiveACodeAndASentence) {
   EXPECT_EQ(hgros_session_open("", nullptr, nullptr), HGROS_INVALID_ARGUMENT);
   EXPECT_NE(LastError().find("NULL"), std::string::npos);
   hgros_publisher* publisher = nullptr;
@@ -47,19 +48,19 @@ TEST(CSession, NullArgumentsGiveACodeAndASentence) {
   EXPECT_EQ(hgros_queue_descriptor(nullptr), -1);
 }
 
-TEST(CSession, ConfigurationErrorsNameLineAndFix) {
-  hgros_session* session = nullptr;
-  EXPECT_EQ(hgros_session_open("netwrok: {}", nullptr, &session), HGROS_CONFIG_ERROR);
+TEST_F(CSession, ConfigurationErrorsNameLineAndFix) {
+  hgros_session* opened = nullptr;
+  EXPECT_EQ(hgros_session_open("netwrok: {}", nullptr, &opened), HGROS_CONFIG_ERROR);
   ASSERT_EQ(setenv("HGROS_CONFIG", "netwrk: {}", 1), 0);
-  EXPECT_EQ(hgros_session_open(nullptr, nullptr, &session), HGROS_CONFIG_ERROR);
+  EXPECT_EQ(hgros_session_open(nullptr, nullptr, &opened), HGROS_CONFIG_ERROR);
   EXPECT_NE(LastError().find("HGROS_CONFIG:1:1"), std::string::npos) << LastError();
   ASSERT_EQ(unsetenv("HGROS_CONFIG"), 0);
-  EXPECT_EQ(session, nullptr);
+  EXPECT_EQ(opened, nullptr);
   EXPECT_NE(LastError().find("network"), std::string::npos) << LastError();
   EXPECT_NE(LastError().find(":1:1"), std::string::npos) << LastError();
 }
 
-TEST(CSession, ReadsAndMergesFiles) {
+TEST_F(CSession, ReadsAndMergesFiles) {
   const auto folder = std::filesystem::temp_directory_path() / ("c_session_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   const std::string one = folder / "one.yaml";
@@ -69,8 +70,7 @@ TEST(CSession, ReadsAndMergesFiles) {
   const char* const files[] = {one.c_str(), two.c_str()};
   hgros_session* opened = nullptr;
   ASSERT_EQ(hgros_session_open_files(files, 2, nullptr, &opened), HGROS_OK) << LastError();
-  const test::SessionHandle session(opened);
-  const auto text = test::TextSchema();
+  session.reset(opened);
   EXPECT_EQ(Publish(Publisher(session, "words", text), "latched by the file"), HGROS_OK);
   EXPECT_EQ(Take(test::Queue(session, "words"), 0), "latched by the file");
   const std::string missing = folder / "three.yaml";
@@ -80,7 +80,7 @@ TEST(CSession, ReadsAndMergesFiles) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(CSession, LastErrorBelongsToItsThread) {
+TEST_F(CSession, LastErrorBelongsToItsThread) {
   EXPECT_EQ(hgros_publish(nullptr, nullptr, 0), HGROS_INVALID_ARGUMENT);
   std::string there = "unset";
   std::thread([&] { there = LastError(); }).join();
@@ -90,16 +90,15 @@ TEST(CSession, LastErrorBelongsToItsThread) {
   EXPECT_STREQ(hgros_status_name(12345), "unknown");
 }
 
-TEST(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
+TEST_F(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
   struct Sink {
     LogLines lines;
     std::atomic<int> released{0};
   } sink;
-  hgros_session_options options{};
-  options.size = sizeof options;
-  options.log = [](void* user, int32_t level, const char* text) {
+  auto options = test::Sized<hgros_session_options>();
+  options.log = [](void* user, int32_t level, const char* line) {
     EXPECT_EQ(level, HGROS_LOG_WARNING);
-    LogLines::Add(&static_cast<Sink*>(user)->lines, level, text);
+    LogLines::Add(&static_cast<Sink*>(user)->lines, level, line);
   };
   options.log_user = &sink;
   options.log_release = [](void* user) { ++static_cast<Sink*>(user)->released; };
@@ -122,10 +121,7 @@ TEST(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
   EXPECT_EQ(sink.released, 1);
 }
 
-TEST(CSession, ClosingItClosesWhatWasMadeFromIt) {
-  LogLines log;
-  auto session = test::Open(test::DomainYaml(), log);
-  const auto text = test::TextSchema();
+TEST_F(CSession, ClosingItClosesWhatWasMadeFromIt) {
   const auto publisher = Publisher(session, "words", text);
   const auto queue = test::Queue(session, "words");
   hgros_transforms* transforms = nullptr;
@@ -147,13 +143,8 @@ TEST(CSession, ClosingItClosesWhatWasMadeFromIt) {
   EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
 }
 
-TEST(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
-  LogLines log;
-  LogLines others_log;
-  const std::string yaml = test::DomainYaml();
-  const auto session = test::Open(yaml, log);
-  const auto other = test::Open(yaml, others_log, "other");
-  const auto text = test::TextSchema();
+TEST_F(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
+  const auto other = OpenOther();
   const auto publisher = Publisher(session, "words", text);
   const auto queue = test::Queue(session, "numbers");
   const auto full = test::Queue(session, "words", 1);
@@ -203,26 +194,20 @@ TEST(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
   EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
 }
 
-TEST(CSession, CallbackMayEndItButNotWaitUntilItIsIdle) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
-  const auto text = test::TextSchema();
+TEST_F(CSession, CallbackMayEndItButNotWaitUntilItIsIdle) {
   struct Ending {
     hgros_session* session;
     std::atomic<hgros_status> idle{-1};
   } ending{session.get(), -1};
-  hgros_subscription* subscription = nullptr;
-  ASSERT_EQ(hgros_subscribe(
-                session.get(), "words", nullptr,
-                [](void* user, const hgros_message*) {
-                  auto& of = *static_cast<Ending*>(user);
-                  const hgros_status idle = hgros_session_wait_idle(of.session, -1);
-                  hgros_session_end(of.session);
-                  of.idle = idle;
-                },
-                &ending, nullptr, &subscription),
-            HGROS_OK);
-  const test::SubscriptionHandle owned(subscription);
+  const auto owned = test::Opened<hgros_subscription_close>(
+      hgros_subscribe, session.get(), "words", nullptr,
+      [](void* user, const hgros_message*) {
+        auto& of = *static_cast<Ending*>(user);
+        const hgros_status idle = hgros_session_wait_idle(of.session, -1);
+        hgros_session_end(of.session);
+        of.idle = idle;
+      },
+      &ending, nullptr);
   std::thread sleeping([&] { EXPECT_EQ(hgros_session_sleep_until(session.get(), INT64_MAX), HGROS_CLOSED); });
   EXPECT_EQ(Publish(Publisher(session, "words", text), "end"), HGROS_OK);
   sleeping.join();
@@ -230,9 +215,7 @@ TEST(CSession, CallbackMayEndItButNotWaitUntilItIsIdle) {
   EXPECT_EQ(ending.idle, HGROS_WOULD_DEADLOCK);
 }
 
-TEST(CSession, QueueThatIsEndedWakesItsTaker) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
+TEST_F(CSession, QueueThatIsEndedWakesItsTaker) {
   const auto queue = test::Queue(session, "words");
   std::thread taking([&] { EXPECT_EQ(Take(queue, -1), "<closed>"); });
   test::Linger(std::chrono::milliseconds(20));
@@ -248,10 +231,7 @@ struct SelfClosing {
   std::atomic<int> released{0};
 };
 
-TEST(CSession, SubscriptionMayBeClosedInItsOwnCallback) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
-  const auto text = test::TextSchema();
+TEST_F(CSession, SubscriptionMayBeClosedInItsOwnCallback) {
   const auto publisher = Publisher(session, "words", text);
   SelfClosing self;
   ASSERT_EQ(hgros_subscribe(
@@ -270,26 +250,25 @@ TEST(CSession, SubscriptionMayBeClosedInItsOwnCallback) {
   EXPECT_EQ(self.calls, 1);
 }
 
-TEST(CSession, SessionMayBeClosedInItsOwnCallback) {
+TEST_F(CSession, SessionMayBeClosedInItsOwnCallback) {
   // It stays until the process ends, so what its log uses must stay, too.
-  static LogLines& log = *new LogLines;
+  static LogLines& lines = *new LogLines;
   static std::atomic<bool> closed{false};
-  const auto session = test::Open(test::DomainYaml(), log).release();
+  const auto own = test::Open(test::DomainYaml(), lines).release();
   hgros_transforms* transforms = nullptr;
-  ASSERT_EQ(hgros_transforms_open(session, &transforms), HGROS_OK);
+  ASSERT_EQ(hgros_transforms_open(own, &transforms), HGROS_OK);
   struct Both {
     hgros_session* session;
     hgros_transforms* transforms;
   };
   static Both both;
   closed = false;
-  both = {session, transforms};
-  const auto text = test::TextSchema();
+  both = {own, transforms};
   hgros_publisher* publisher = nullptr;
-  ASSERT_EQ(hgros_publisher_open(session, "words", text.get(), nullptr, &publisher), HGROS_OK);
+  ASSERT_EQ(hgros_publisher_open(own, "words", text.get(), nullptr, &publisher), HGROS_OK);
   hgros_subscription* subscription = nullptr;
   ASSERT_EQ(hgros_subscribe(
-                session, "words", nullptr,
+                own, "words", nullptr,
                 [](void* user, const hgros_message*) {
                   const Both& of = *static_cast<Both*>(user);
                   EXPECT_EQ(hgros_transforms_close(of.transforms), HGROS_WOULD_DEADLOCK);
@@ -300,7 +279,7 @@ TEST(CSession, SessionMayBeClosedInItsOwnCallback) {
             HGROS_OK);
   EXPECT_EQ(hgros_publish(publisher, "go", 2), HGROS_OK);
   ASSERT_TRUE(Await([&] { return closed.load(); }));
-  EXPECT_TRUE(log.Contain("callback")) << "the log says which callback closed it";
+  EXPECT_TRUE(lines.Contain("callback")) << "the log says which callback closed it";
   EXPECT_EQ(hgros_publish(publisher, "more", 4), HGROS_CLOSED);
   hgros_publisher_close(publisher);
   hgros_subscription_close(subscription);
@@ -309,47 +288,35 @@ TEST(CSession, SessionMayBeClosedInItsOwnCallback) {
   EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
 }
 
-TEST(CSession, CallbackMayPublishSubscribeAndCall) {
-  LogLines log;
-  const auto session = test::Open(test::DomainYaml(), log);
-  const auto text = test::TextSchema();
+TEST_F(CSession, CallbackMayPublishSubscribeAndCall) {
   struct Relay {
     test::PublisherHandle publisher;
     std::atomic<hgros_status> waited{-1};
   } relay{Publisher(session, "out", text), -1};
   const auto queue = test::Queue(session, "out", 1);
-  hgros_subscription* subscription = nullptr;
-  ASSERT_EQ(hgros_subscribe(
-                session.get(), "in", nullptr,
-                [](void* user, const hgros_message* message) {
-                  auto& to = *static_cast<Relay*>(user);
-                  EXPECT_EQ(Publish(to.publisher, test::TextOf(message)), HGROS_OK);
-                  to.waited = hgros_publish_wait(to.publisher.get(), "x", 1, -1);
-                },
-                &relay, nullptr, &subscription),
-            HGROS_OK);
-  const test::SubscriptionHandle owned(subscription);
+  const auto owned = test::Opened<hgros_subscription_close>(
+      hgros_subscribe, session.get(), "in", nullptr,
+      [](void* user, const hgros_message* message) {
+        auto& to = *static_cast<Relay*>(user);
+        EXPECT_EQ(Publish(to.publisher, test::TextOf(message)), HGROS_OK);
+        to.waited = hgros_publish_wait(to.publisher.get(), "x", 1, -1);
+      },
+      &relay, nullptr);
   EXPECT_EQ(Publish(Publisher(session, "in", text), "relayed"), HGROS_OK);
   ASSERT_TRUE(Await([&] { return relay.waited != -1; }));
   EXPECT_EQ(relay.waited, HGROS_WOULD_DEADLOCK);
   EXPECT_EQ(Take(queue, 0), "relayed");
 }
 
-TEST(CSession, ListsPeersAndChannelsWithTheirUsers) {
-  const std::string yaml = test::DomainYaml();
-  LogLines log;
-  LogLines others_log;
-  const auto session = test::Open(yaml, log);
-  const auto other = test::Open(yaml, others_log, "other");
-  const auto text = test::TextSchema();
+TEST_F(CSession, ListsPeersAndChannelsWithTheirUsers) {
+  const auto other = OpenOther();
   const auto queue = test::Queue(session, "words");
   const auto publisher = Publisher(other, "words", text);
   ASSERT_EQ(hgros_session_wait_for_publishers(session.get(), "words", 1, -1), HGROS_OK);
   EXPECT_EQ(hgros_session_wait_for_publishers(session.get(), "words", 2, 0), HGROS_TIMED_OUT);
   hgros_peers* peers = nullptr;
   ASSERT_EQ(hgros_peers_open(session.get(), &peers), HGROS_OK);
-  hgros_peer peer{};
-  peer.size = sizeof peer;
+  auto peer = test::Sized<hgros_peer>();
   ASSERT_EQ(hgros_peers_count(peers), 1U);
   EXPECT_EQ(hgros_peers_get(peers, 0, &peer), HGROS_OK);
   EXPECT_STREQ(peer.process, "other");
@@ -362,14 +329,12 @@ TEST(CSession, ListsPeersAndChannelsWithTheirUsers) {
     hgros_channels* channels = nullptr;
     EXPECT_EQ(hgros_channels_open(session.get(), &channels), HGROS_OK);
     for (std::size_t i = 0; i < hgros_channels_count(channels); ++i) {
-      hgros_channel one{};
-      one.size = sizeof one;
+      auto one = test::Sized<hgros_channel>();
       EXPECT_EQ(hgros_channels_get(channels, i, &one), HGROS_OK);
       if (one.name != std::string("words") || one.publishers == 0) continue;
       EXPECT_STREQ(one.type_name, "text");
       EXPECT_EQ(one.encoding, HGROS_ENCODING_CUSTOM);
-      hgros_channel_user user{};
-      user.size = sizeof user;
+      auto user = test::Sized<hgros_channel_user>();
       EXPECT_EQ(hgros_channels_get_user(channels, i, HGROS_ROLE_PUBLISHER, 0, &user), HGROS_OK);
       publishers = user.process;
       EXPECT_EQ(hgros_channels_get_user(channels, i, HGROS_ROLE_PUBLISHER, 5, &user), HGROS_NOT_FOUND);
