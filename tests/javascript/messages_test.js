@@ -242,15 +242,6 @@ test('QueuesDropOrHoldBack', async (t) => {
   await waits;
 });
 
-test('LatchedMessagesReachALateSubscriber', async (t) => {
-  const from = open(t);
-  const publisher = from.advertise('map', LOG, { latched: 2 });
-  for (const message of ['a', 'b', 'c']) publisher.publish({ message });
-  const late = open(t).subscribe('map', LOG, { keepAll: 10 });
-  assert.strictEqual((await late.take(patient)).message.message, 'b');
-  assert.strictEqual((await late.take(patient)).message.message, 'c');
-});
-
 test('AnotherTypeIsRefusedAndReported', async (t) => {
   const lines = [];
   const from = open(t);

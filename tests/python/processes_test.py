@@ -1,42 +1,13 @@
 import os
 import signal
 
-from support import DEADLINE_S, RobotTest, main, wait_until
+from support import RobotTest, main
 
 import hgros
 from foxglove.Log_pb2 import Log
 
-LISTENER = """
-import hgros
-with hgros.Session() as robot:
-    messages = robot.messages("log", timeout=40)
-    print("ready", flush=True)
-    for message in messages:
-        print(message.message, flush=True)
-"""
-
 
 class Processes(RobotTest):
-    def publish_until_heard(self, process, channel="log"):
-        robot = self.session()
-        publisher = robot.advertise(channel, Log)
-        self.assertTrue(robot.wait_for_subscribers(channel, timeout=DEADLINE_S))
-        publisher.publish(Log(message="hello"))
-        return robot
-
-    def test_two_processes_talk(self):
-        process = self.python(LISTENER)
-        self.publish_until_heard(process)
-        self.assertEqual([process.stdout.readline() for _ in range(2)], ["ready\n", "hello\n"])
-
-    def test_killed_process_does_not_hold_up_the_others(self):
-        process = self.python(LISTENER)
-        robot = self.publish_until_heard(process)
-        process.stdout.readline(), process.stdout.readline()
-        process.kill()
-        wait_until(lambda: not robot.wait_for_subscribers("log", timeout=0.0), "the loss of the subscriber")
-        robot.advertise("log", Log).publish(Log())
-
     def interrupt(self, code):
         process = self.python(code)
         self.assertEqual(process.stdout.readline(), "ready\n", process.stderr)

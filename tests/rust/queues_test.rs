@@ -7,22 +7,6 @@ use std::os::unix::net::UnixStream;
 use std::sync::mpsc::{channel, Sender};
 
 #[test]
-fn a_lossless_queue_gets_1000_messages_in_order() {
-    let (from, to) = (session("order"), session("order"));
-    let (publisher, queue) = pair(&from, &to, "words", Queue::KeepAll(10));
-    let sender = std::thread::spawn(move || {
-        for number in 0..1000 {
-            publisher.publish_wait(&log_of(number), PATIENCE).unwrap();
-        }
-        publisher
-    });
-    let received: Vec<_> = queue.iter_timeout(PATIENCE).take(1000).map(|log| log.unwrap().message).collect();
-    assert!(received.iter().enumerate().all(|(number, text)| *text == number.to_string()), "{received:?}");
-    sender.join().unwrap();
-    assert_eq!(queue.stats().unwrap().taken, 1000);
-}
-
-#[test]
 fn a_keep_last_queue_drops_the_oldest() {
     let session = session("newest");
     let (publisher, queue) = pair(&session, &session, "words", Queue::KeepLast(2));

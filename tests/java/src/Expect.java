@@ -1,7 +1,12 @@
 import com.google.protobuf.StringValue;
+import java.lang.ref.WeakReference;
 import java.time.Duration;
 import java.util.Objects;
 import java.util.concurrent.Callable;
+import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.ExecutionException;
+import java.util.concurrent.Future;
+import java.util.concurrent.TimeUnit;
 import org.hgros.Code;
 import org.hgros.HgrosException;
 import org.hgros.Session;
@@ -46,6 +51,33 @@ final class Expect {
       throw e;
     }
     throw new AssertionError("it did not fail with " + code);
+  }
+
+  /** Waits for a latch also in callbacks. */
+  static void passes(CountDownLatch latch) {
+    try {
+      holds(latch.await(PATIENCE.toSeconds(), TimeUnit.SECONDS), latch.getCount() + " did not come");
+    } catch (InterruptedException e) {
+      throw new IllegalStateException(e);
+    }
+  }
+
+  static void collected(WeakReference<?> garbage) throws Exception {
+    eventually("garbage is collected", () -> {
+      System.gc();
+      return garbage.get() == null;
+    });
+  }
+
+  /** The failure with which a future ends. */
+  static void ends(Future<?> future, Code code) throws Exception {
+    try {
+      future.get(PATIENCE.toSeconds(), TimeUnit.SECONDS);
+    } catch (ExecutionException e) {
+      equal(((HgrosException) e.getCause()).code(), code);
+      return;
+    }
+    throw new AssertionError("it did not end with " + code);
   }
 
   static void eventually(String what, Callable<Boolean> condition) throws Exception {

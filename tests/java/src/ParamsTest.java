@@ -59,11 +59,7 @@ final class ParamsTest {
     BlockingQueue<String> changes = new ArrayBlockingQueue<>(100);
     try (Session robot = Expect.session("robot"); Session tool = Expect.session("tool")) {
       watch(robot, changes);
-      WeakReference<Object> garbage = new WeakReference<>(new Object());
-      Expect.eventually("garbage is collected", () -> {
-        System.gc();
-        return garbage.get() == null;
-      });
+      Expect.collected(new WeakReference<>(new Object()));
       try (Params theirs = tool.paramsOf("robot", Expect.PATIENCE)) {
         theirs.set("speed", 7);
         Expect.equal(changes.take(), "speed=7");

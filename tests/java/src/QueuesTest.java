@@ -13,7 +13,6 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicReference;
 import org.hgros.Code;
 import org.hgros.HgrosException;
-import org.hgros.PublishOptions;
 import org.hgros.Publisher;
 import org.hgros.RawSubscription;
 import org.hgros.ReceivedMessage;
@@ -48,18 +47,6 @@ final class QueuesTest {
       Expect.fails(Code.TIMED_OUT, () -> lossless.publish(text(3), Duration.ofNanos(1)));
       every.next();
       lossless.publish(text(3), Expect.PATIENCE);
-    }
-  }
-
-  public static void aLateSubscriberGetsWhatIsLatched() throws Exception {
-    try (Session from = Expect.session("from"); Session to = Expect.session("to")) {
-      Publisher<StringValue> publisher = from.advertise("map", Expect.TEXT, new PublishOptions().latched(2));
-      for (int i = 0; i < 3; i++) {
-        publisher.publish(text(i));
-      }
-      Subscription<StringValue> late = to.subscribe("map", Expect.TEXT);
-      Expect.equal(late.next(Expect.PATIENCE).getValue(), "1");
-      Expect.equal(late.next(Expect.PATIENCE).getValue(), "2");
     }
   }
 
@@ -141,7 +128,7 @@ final class QueuesTest {
       for (int i = 0; i < 2000; i++) {
         publisher.publish(text(i), Expect.PATIENCE);
       }
-      Expect.holds(left.await(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), left.getCount() + " did not come");
+      Expect.passes(left);
       Expect.equal(sum.get(), 1999 * 2000 / 2);
     }
   }
@@ -164,7 +151,7 @@ final class QueuesTest {
       for (int i = 0; i < 1000; i++) {
         publisher.publish(text(i), Expect.PATIENCE);
       }
-      Expect.holds(left.await(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), left.getCount() + " did not come");
+      Expect.passes(left);
       for (int i = 0; i < 1000; i++) {
         Expect.equal(got.get(i), Integer.toString(i));
         Expect.equal(threads.get(i), "mine");
@@ -180,11 +167,7 @@ final class QueuesTest {
       CountDownLatch goOn = new CountDownLatch(1);
       session.subscribe("work", Expect.TEXT, new SubscribeOptions().keepAll(1)).onMessage(message -> {
         entered.countDown();
-        try {
-          goOn.await();
-        } catch (InterruptedException e) {
-          throw new IllegalStateException(e);
-        }
+        Expect.passes(goOn);
       });
       Publisher<StringValue> publisher = session.advertise("work", Expect.TEXT);
       publisher.publish(text("runs"));
@@ -213,7 +196,7 @@ final class QueuesTest {
       publisher.publish(text("mouse"));
       publisher.publish(text("cat"));
       publisher.publish(text("last"));
-      Expect.holds(last.await(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "the last one did not come");
+      Expect.passes(last);
       Expect.equal(queue.stats().failed(), 2L);
       Expect.eventually("the log names it", () -> lines.indexOf(
           "The callback of channel \"words\" failed: java.lang.IllegalStateException: a mouse at QueuesTest") >= 0);
@@ -234,7 +217,7 @@ final class QueuesTest {
       Publisher<StringValue> publisher = session.advertise("words", Expect.TEXT);
       publisher.publish(text(1));
       publisher.publish(text(2));
-      Expect.holds(closed.await(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "it was not closed");
+      Expect.passes(closed);
       self.get().close(); // Waits for the callback.
       Expect.equal(calls.get(), 1);
       Expect.equal(ReceivedMessage.leases(), 0L);
@@ -249,7 +232,7 @@ final class QueuesTest {
       closed.countDown();
     });
     session.advertise("words", Expect.TEXT).publish(text(1));
-    Expect.holds(closed.await(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "it was not closed");
+    Expect.passes(closed);
     Expect.fails(Code.CLOSED, session::id);
   }
 
@@ -270,11 +253,7 @@ final class QueuesTest {
     AtomicInteger left = new AtomicInteger();
     Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT).onMessage(message -> {
       entered.countDown();
-      try {
-        goOn.await();
-      } catch (InterruptedException e) {
-        throw new IllegalStateException(e);
-      }
+      Expect.passes(goOn);
       left.incrementAndGet();
     });
     session.advertise("words", Expect.TEXT).publish(text(1));
@@ -379,17 +358,13 @@ final class QueuesTest {
         Subscription<StringValue> other = both.get(1 - i);
         both.get(i).onMessage(message -> {
           inside.countDown();
-          try {
-            inside.await();
-          } catch (InterruptedException e) {
-            throw new IllegalStateException(e);
-          }
+          Expect.passes(inside);
           other.close();
           closed.countDown();
         });
       }
       session.advertise("words", Expect.TEXT).publish(text(1));
-      Expect.holds(closed.await(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "a callback waits for the other one");
+      Expect.passes(closed);
     }
   }
 

@@ -1,10 +1,7 @@
 import java.time.Duration;
 import java.time.Instant;
 import java.util.concurrent.CompletableFuture;
-import java.util.concurrent.ExecutionException;
-import java.util.concurrent.TimeUnit;
 import org.hgros.Code;
-import org.hgros.HgrosException;
 import org.hgros.Session;
 import org.hgros.Transform;
 import org.hgros.Transforms;
@@ -33,12 +30,7 @@ final class TransformsTest {
         }
       });
       tool.end();
-      try {
-        waiting.get(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS);
-        throw new AssertionError("there is no moon");
-      } catch (ExecutionException e) {
-        Expect.equal(((HgrosException) e.getCause()).code(), Code.CLOSED);
-      }
+      Expect.ends(waiting, Code.CLOSED);
     }
   }
 }
