@@ -67,7 +67,8 @@ public static class SessionTest {
   [Test]
   public static void ExceptionsThatNoSessionCanLogAreWrittenTenTimes() {
     var written = new StringWriter();
-    Console.SetError(TextWriter.Synchronized(written));
+    TextWriter writer = TextWriter.Synchronized(written);
+    Console.SetError(writer);
     int ended = 0;
     using (var publisher = new Session()) {
       RawPublisher go = publisher.AdvertiseRaw("go", Schema.Raw("Go"));
@@ -83,7 +84,8 @@ public static class SessionTest {
       go.Publish(new byte[1]);
       Until("all callbacks have run", () => Volatile.Read(ref ended) == 15);
       Until("ten are written", () => {  // Perhaps the last line first.
-        string[] lines = written.ToString().Split('\n');
+        string[] lines;
+        lock (writer) lines = written.ToString().Split('\n');  // As its methods do.
         return lines.Count(line => line.StartsWith("hgros: an exception of a callback cannot be reported: ")) == 10 &&
                lines.Count(line => line.Contains("InvalidOperationException: no way")) == 10 &&
                lines.Any(line => line.Contains("further exceptions"));
