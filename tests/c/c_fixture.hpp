@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <memory>
@@ -53,26 +54,36 @@ using SubscriptionHandle = std::unique_ptr<hgros_subscription, Ends<hgros_subscr
 using ServiceHandle = std::unique_ptr<hgros_service, Ends<hgros_service_close>>;
 using WatchHandle = std::unique_ptr<hgros_watch, Ends<hgros_watch_close>>;
 
-/// Lines of a session's log.
-class LogLines {
+inline std::string TextOf(const hgros_message* message) {
+  std::size_t size = 0;
+  const void* const data = hgros_message_data(message, &size);
+  return {static_cast<const char*>(data), size};
+}
+
+/// Texts that a callback or the log of a session gets.
+class Texts {
  public:
-  static void Add(void* user, int32_t /*level*/, const char* text) {
-    auto& self = *static_cast<LogLines*>(user);
-    const std::scoped_lock lock(self.mutex_);
-    self.lines_.emplace_back(text);
+  static void Add(void* user, const hgros_message* message) { static_cast<Texts*>(user)->Add(TextOf(message)); }
+  static void Add(void* user, int32_t /*level*/, const char* line) { static_cast<Texts*>(user)->Add(line); }
+  void Add(std::string text) {
+    const std::scoped_lock lock(mutex_);
+    texts_.push_back(std::move(text));
+  }
+  [[nodiscard]] std::vector<std::string> all() const {
+    const std::scoped_lock lock(mutex_);
+    return texts_;
   }
   [[nodiscard]] bool Contain(std::string_view part) const {
-    const std::scoped_lock lock(mutex_);
-    for (const std::string& line : lines_) {
-      if (line.find(part) != std::string::npos) return true;
-    }
-    return false;
+    const auto texts = all();
+    return std::any_of(texts.begin(), texts.end(),
+                       [&](const std::string& one) { return one.find(part) != std::string::npos; });
   }
 
  private:
   mutable std::mutex mutex_;
-  std::vector<std::string> lines_;
+  std::vector<std::string> texts_;
 };
+using LogLines = Texts;
 
 /// From now on sessions are in a domain that no other test uses. Returns their configuration.
 inline std::string DomainYaml() {
@@ -128,12 +139,6 @@ inline SubscriptionHandle Queue(const SessionHandle& session, const char* channe
   return Opened<hgros_subscription_close>(hgros_subscribe_queue, session.get(), channel, &options);
 }
 
-inline std::string TextOf(const hgros_message* message) {
-  std::size_t size = 0;
-  const void* const data = hgros_message_data(message, &size);
-  return {static_cast<const char*>(data), size};
-}
-
 /// The next message as text, or the name of the status.
 inline std::string Take(const SubscriptionHandle& queue, std::int64_t timeout_ns = std::int64_t{45'000'000'000}) {
   hgros_message* message = nullptr;
@@ -141,24 +146,6 @@ inline std::string Take(const SubscriptionHandle& queue, std::int64_t timeout_ns
   const MessageHandle owned(message);
   return status == HGROS_OK ? TextOf(message) : "<" + std::string(hgros_status_name(status)) + ">";
 }
-
-/// Texts that a callback gets.
-class Texts {
- public:
-  static void Add(void* user, const hgros_message* message) { static_cast<Texts*>(user)->Add(TextOf(message)); }
-  void Add(std::string text) {
-    const std::scoped_lock lock(mutex_);
-    texts_.push_back(std::move(text));
-  }
-  [[nodiscard]] std::vector<std::string> all() const {
-    const std::scoped_lock lock(mutex_);
-    return texts_;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<std::string> texts_;
-};
 
 /// Sessions of a domain of their own.
 class CTest : public testing::Test {

@@ -22,10 +22,7 @@ struct Taken {
 class CServiceQueue : public test::CTest {
  protected:
   test::ServiceHandle Serve() {
-    hgros_service* service = nullptr;
-    EXPECT_EQ(hgros_serve_queue(session.get(), "ask", text.get(), text.get(), nullptr, &service), HGROS_OK)
-        << LastError();
-    return test::ServiceHandle(service);
+    return test::Opened<hgros_service_close>(hgros_serve_queue, session.get(), "ask", text.get(), text.get(), nullptr);
   }
   static Taken Take(const test::ServiceHandle& service, std::int64_t timeout_ns = kLong) {
     hgros_message* request = nullptr;

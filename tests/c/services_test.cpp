@@ -37,25 +37,18 @@ class CServices : public test::CTest {
     EXPECT_EQ(hgros_reply_set(reply, "twice", 5), HGROS_INVALID_ARGUMENT);
   }
   test::ServiceHandle Serve(const test::SessionHandle& on) {
-    hgros_service* service = nullptr;
-    EXPECT_EQ(hgros_serve(on.get(), "echo", text.get(), text.get(), nullptr, &Echo, nullptr, nullptr, &service),
-              HGROS_OK)
-        << LastError();
-    return test::ServiceHandle(service);
+    return test::Opened<hgros_service_close>(hgros_serve, on.get(), "echo", text.get(), text.get(), nullptr, &Echo,
+                                             nullptr, nullptr);
   }
   // Serves "slow", whose replies are empty and come once the door is open.
   test::ServiceHandle ServeBehind(test::Door& door, const test::SessionHandle& on) {
-    hgros_service* service = nullptr;
-    EXPECT_EQ(hgros_serve(
-                  on.get(), "slow", text.get(), text.get(), nullptr,
-                  [](void* user, const hgros_message*, hgros_reply* reply) {
-                    static_cast<test::Door*>(user)->Pass();
-                    EXPECT_EQ(hgros_reply_set(reply, nullptr, 0), HGROS_OK);
-                  },
-                  &door, nullptr, &service),
-              HGROS_OK)
-        << LastError();
-    return test::ServiceHandle(service);
+    return test::Opened<hgros_service_close>(
+        hgros_serve, on.get(), "slow", text.get(), text.get(), nullptr,
+        [](void* user, const hgros_message*, hgros_reply* reply) {
+          static_cast<test::Door*>(user)->Pass();
+          EXPECT_EQ(hgros_reply_set(reply, nullptr, 0), HGROS_OK);
+        },
+        &door, nullptr);
   }
   hgros_status Later(const char* name, Ended& ended, hgros_pending_call** call) {
     return hgros_call_later(session.get(), name, text.get(), "later", 5, nullptr, -1, &Ended::Note, &ended,
