@@ -39,7 +39,7 @@ class Language:
     def __init__(self, entry):
         self.name = entry["name"]
         self.command = entry["command"]
-        self.environment = entry["environment"]
+        self.environment = dict(variable.split("=", 1) for variable in entry["environment"])
         self.packages = entry["packages"]
         self.talks = True  # Until a process of it says otherwise.
 

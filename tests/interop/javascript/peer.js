@@ -62,21 +62,9 @@ class Turn {
     this.ended = ended;
   }
 
-  #keep(part) {
+  keep(part) {
     this.#opened.push(part);
     return part;
-  }
-
-  advertise(channel, type, options) {
-    return this.#keep(session.advertise(channel, type, options));
-  }
-
-  subscribe(channel, type) {
-    return this.#keep(session.subscribe(channel, type, KEEP_ALL));
-  }
-
-  serve(name, handler) {
-    return this.#keep(session.serve(name, LOG, LOG, handler));
   }
 
   async close() {
@@ -86,7 +74,7 @@ class Turn {
 
 const ROLES = {
   async publish(turn, channel, count) {
-    const publisher = turn.advertise(channel, LOG);
+    const publisher = turn.keep(session.advertise(channel, LOG));
     let ended = false;
     turn.ended.then(() => { ended = true; });
     await session.waitForSubscribers(channel, 1, PATIENCE);
@@ -105,7 +93,7 @@ const ROLES = {
   },
 
   async subscribe(turn, channel, count) {
-    const subscription = turn.subscribe(channel, LOG);
+    const subscription = turn.keep(session.subscribe(channel, LOG, KEEP_ALL));
     turn.ended.then(() => subscription.close());
     let received = 0;
     let first;
@@ -121,14 +109,14 @@ const ROLES = {
   },
 
   async latch(turn, channel, text) {
-    const publisher = turn.advertise(channel, LOG, { latched: 2 });
+    const publisher = turn.keep(session.advertise(channel, LOG, { latched: 2 }));
     for (const message of ['old', text, 'new']) publisher.publish({ message });
     say('latched');
     await turn.ended;
   },
 
   async 'bulk-publish'(turn, channel, size) {
-    const publisher = turn.advertise(channel, 'foxglove.PointCloud');
+    const publisher = turn.keep(session.advertise(channel, 'foxglove.PointCloud'));
     const data = Buffer.alloc(Number(size));
     for (let i = 0; i < data.length; ++i) data[i] = byteAt(i);
     await session.waitForSubscribers(channel, 1, PATIENCE);
@@ -138,7 +126,7 @@ const ROLES = {
   },
 
   async 'bulk-subscribe'(turn, channel, size) {
-    const subscription = turn.subscribe(channel, 'foxglove.PointCloud');
+    const subscription = turn.keep(session.subscribe(channel, 'foxglove.PointCloud', KEEP_ALL));
     say('subscribed');
     const { message } = await subscription.take(PATIENCE);
     const { data } = message;
@@ -152,10 +140,10 @@ const ROLES = {
   },
 
   async serve(turn, name) {
-    turn.serve(name, ({ message }) => {
+    turn.keep(session.serve(name, LOG, LOG, ({ message }) => {
       if (message === 'fail') throw new Error('asked to fail');
       return { message: `re: ${message}` };
-    });
+    }));
     say('serving');
     await turn.ended;
   },
@@ -174,7 +162,7 @@ const ROLES = {
   },
 
   async misfit(turn, channel) {
-    turn.subscribe(channel, 'foxglove.PoseInFrame');
+    turn.keep(session.subscribe(channel, 'foxglove.PoseInFrame', KEEP_ALL));
     say('subscribed');
     await turn.ended;
   },

@@ -88,18 +88,11 @@ final class Peer
 
     public function run(string $role, string ...$arguments): void
     {
-        match ($role) {
-            'talk' => $this->talk(),
-            'publish' => $this->publish(...$arguments),
-            'subscribe' => $this->subscribe(...$arguments),
-            'latch' => $this->latch(...$arguments),
-            'bulk-publish' => $this->bulkPublish(...$arguments),
-            'bulk-subscribe' => $this->bulkSubscribe(...$arguments),
-            'serve' => $this->serve(...$arguments),
-            'call' => $this->call(...$arguments),
-            'misfit' => $this->misfit(...$arguments),
-            default => throw new RuntimeException("There is no role $role."),
-        };
+        $roles = ['talk', 'publish', 'subscribe', 'latch', 'bulk-publish', 'bulk-subscribe', 'serve', 'call', 'misfit'];
+        if (!in_array($role, $roles, true)) {
+            throw new RuntimeException("There is no role $role.");
+        }
+        [$this, lcfirst(str_replace('-', '', ucwords($role, '-')))](...$arguments);
     }
 
     private function talk(): void
