@@ -153,7 +153,7 @@ class Processes(RobotTest):
         self.assertEqual(err, "")
 
     def test_spin_ends_in_a_child_that_a_callback_forks(self):
-        out, err, code = self.run_to_end(
+        self.assertEqual(("3 6\n", "", 0), self.run_to_end(
             "robot = hgros.Session()\n"
             "publisher = robot.advertise('log', Log)\n"
             "seen = []\n"
@@ -167,8 +167,7 @@ class Processes(RobotTest):
             "for _ in range(6): publisher.publish(Log())\n"
             "robot.spin()\n"
             "if child == 0: os._exit(len(seen))\n"
-            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), len(seen), flush=True)\n")
-        self.assertEqual((out, err, code), ("3 6\n", "", 0))
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), len(seen), flush=True)\n"))
 
     def test_ctrl_c_ends_spin_in_a_forked_child(self):
         child = ("def child():\n"
@@ -196,7 +195,7 @@ class Processes(RobotTest):
                 self.assertEqual(out, "7\n", err)
 
     def test_every_use_in_a_forked_child_says_that_the_session_is_the_parents(self):
-        out, err, code = self.run_to_end(
+        self.assertEqual(("5\nalive\n", "", 0), self.run_to_end(
             "import asyncio, gc\n"
             "import numpy as np\n"
             "from foxglove.PointCloud_pb2 import PointCloud\n"
@@ -247,11 +246,10 @@ class Processes(RobotTest):
             "robot._lock.release()\n"
             "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n"
             "publisher.publish(Log(message='alive'))\n"
-            "print(next(messages).message)\n")
-        self.assertEqual((out, err, code), ("5\nalive\n", "", 0))
+            "print(next(messages).message)\n"))
 
     def test_forked_child_does_not_give_back_memory_that_its_parent_keeps(self):
-        out, err, code = self.run_to_end(
+        self.assertEqual(("0 1\n{1}\n", "", 0), self.run_to_end(
             "import gc\n"
             "from foxglove.PointCloud_pb2 import PointCloud\n"
             "robot, other = hgros.Session(), hgros.Session()\n"
@@ -270,11 +268,10 @@ class Processes(RobotTest):
             "    sys.exit(0)\n"
             "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), hgros.leases()[0], flush=True)\n"
             "for value in range(2, 30): receive(value)\n"
-            "print(set(kept.data))\n")
-        self.assertEqual((out, err, code), ("0 1\n{1}\n", "", 0))
+            "print(set(kept.data))\n"))
 
     def test_forked_child_ends_and_drops_what_threads_of_its_parent_use(self):
-        out, err, code = self.run_to_end(
+        self.assertEqual(("dropped\n0\n", "", 0), self.run_to_end(
             "import gc\n"
             "robot = hgros.Session()\n"
             "publisher = robot.advertise('log', Log)\n"
@@ -290,11 +287,10 @@ class Processes(RobotTest):
             "    gc.collect()\n"
             "    print('dropped', flush=True)\n"
             "    os._exit(0)\n"
-            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n")
-        self.assertEqual((out, err, code), ("dropped\n0\n", "", 0))
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n"))
 
     def test_forked_child_drops_what_threads_of_its_parent_use_all_the_time(self):
-        out, err, code = self.run_to_end(
+        self.assertEqual(("done\n", "", 0), self.run_to_end(
             "import gc\n"
             "robot = hgros.Session()\n"
             "publisher = robot.advertise('log', Log)\n"
@@ -316,8 +312,7 @@ class Processes(RobotTest):
             "        os._exit(0)\n"
             "    assert os.waitpid(child, 0)[1] == 0\n"
             "done.set()\n"
-            "print('done')\n")
-        self.assertEqual((out, err, code), ("done\n", "", 0))
+            "print('done')\n"))
 
     def test_session_of_a_child_of_multiprocessing(self):
         for method in ("fork", "spawn"):
