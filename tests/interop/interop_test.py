@@ -217,7 +217,7 @@ def service(sender, receiver, channel):
     sender.play("call", channel, "hello")
     sender.expect("answer re: hello")
     sender.play("call", channel, "fail")
-    sender.expect("failed .*asked to fail")
+    sender.expect("failed (hgros: )?(handler failed: )?(Fault: )?asked to fail")  # As errors of the language are shown.
 
 
 def mismatch(sender, receiver, channel):
