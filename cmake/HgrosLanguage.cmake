@@ -2,8 +2,9 @@
 
 # hgros_language_tests(suite pattern SOURCES source... COMMAND word... [ENVIRONMENT variable...]
 #                      [PROPERTIES property value...])
-# An entry of ctest, SUITE.NAME, for each part of the sources that matches the pattern; its first group is the name. In
-# COMMAND and PROPERTIES, @name@ is the name, @source@ the file and @stem@ its name without the extension.
+# An entry of ctest, SUITE.NAME, for each part of the sources that matches the pattern; its first group is the name, in
+# the entry with capitals in place of underscores. In COMMAND, ENVIRONMENT and PROPERTIES, @name@ is the name, @source@
+# the file and @stem@ its name without the extension.
 function(hgros_language_tests SUITE PATTERN)
   cmake_parse_arguments(ARG "" "" "SOURCES;COMMAND;ENVIRONMENT;PROPERTIES" ${ARGN})
   foreach(source IN LISTS ARG_SOURCES)
@@ -14,7 +15,7 @@ function(hgros_language_tests SUITE PATTERN)
     foreach(match IN LISTS matches)
       string(REGEX REPLACE "${PATTERN}" "\\1" name "${match}")
       set(test ${name})
-      if(name MATCHES "_")  # It is named like the tests of other suites.
+      if(name MATCHES "_")
         string(REGEX MATCHALL "[^_]+" words ${name})
         set(test)
         foreach(word IN LISTS words)
@@ -52,7 +53,8 @@ endfunction()
 # hgros_readme_test(suite publisher subscriber): runs the two programs of the page as their reader does.
 function(hgros_readme_test SUITE PUBLISHER SUBSCRIBER)
   add_test(NAME ${SUITE}.ReadmePublisherAndSubscriber
-    COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tests/readme/pair.py ${PUBLISHER} published ${SUBSCRIBER} "Hello")
+    COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tests/readme/pair.py
+      ${PUBLISHER} published ${SUBSCRIBER} "Hello")
 endfunction()
 
 # hgros_example_test(suite line PUBLISHER word... SUBSCRIBER word...)

@@ -1,5 +1,5 @@
 include(CheckLinkerFlag)
-find_package(Python3 REQUIRED COMPONENTS Interpreter)  # Of many tests, in all folders below.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)  # Many tests in the folders below use it.
 # Part of GNU binutils until 2.43; links a test in less than half of the time that GNU ld takes.
 check_linker_flag(CXX -fuse-ld=gold HGROS_GOLD_LINKS)
 # Programs of another processor are emulated, which takes several times as long.

@@ -17,6 +17,8 @@
 
 namespace hgros::test {
 
+inline constexpr std::int64_t kPatienceNs = std::chrono::nanoseconds(kPatience).count();
+
 inline std::string LastError() { return hgros_last_error(); }
 
 /// Calls the function that ends a handle.

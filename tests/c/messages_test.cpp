@@ -11,11 +11,9 @@ namespace {
 
 using test::Await;
 using test::LastError;
-using test::LogLines;
 using test::Publish;
 using test::Publisher;
 using test::Take;
-using test::Texts;
 
 using CMessages = test::CTest;
 
@@ -57,6 +55,18 @@ TEST_F(CMessages, CallbackGetsBytesSchemaAndSender) {
   EXPECT_EQ(seen.info.sequence, 1U);
   EXPECT_EQ(seen.info.remote, 0);
   EXPECT_NE(seen.info.key, 0U);
+}
+
+TEST_F(CMessages, CallbackGetsWhatAnotherSessionPublishes) {
+  test::Texts texts;
+  const auto take = [](void* user, const hgros_message* message) { test::Texts::Add(user, message); };
+  const auto owned =
+      test::Opened<hgros_subscription_close>(hgros_subscribe, session.get(), "words", nullptr, +take, &texts, nullptr);
+  const auto other = OpenOther();
+  const auto publisher = Publisher(other, "words", text);
+  ASSERT_EQ(hgros_session_wait_for_subscribers(other.get(), "words", 1, test::kPatienceNs), HGROS_OK);
+  ASSERT_EQ(Publish(publisher, "hello"), HGROS_OK);
+  EXPECT_TRUE(Await([&] { return texts.all() == std::vector<std::string>{"hello"}; }));
 }
 
 TEST_F(CMessages, QueueIsTakenInOrderAndItsDescriptorSaysWhen) {

@@ -12,7 +12,6 @@ namespace {
 
 using test::Await;
 using test::LastError;
-using test::LogLines;
 
 using ParamsHandle = std::unique_ptr<hgros_params, test::Ends<hgros_params_close>>;
 using TransformsHandle = std::unique_ptr<hgros_transforms, test::Ends<hgros_transforms_close>>;

@@ -13,12 +13,10 @@ namespace hgros {
 namespace {
 
 using test::Await;
+using test::kPatienceNs;
 using test::LastError;
-using test::LogLines;
 using test::Publish;
 using test::Publisher;
-
-constexpr std::int64_t kPatienceNs = std::chrono::nanoseconds(test::kPatience).count();
 
 // A program in C99 that uses the library, as peer.c says.
 class Peer {

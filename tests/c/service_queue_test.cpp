@@ -9,7 +9,6 @@ namespace {
 
 using test::Await;
 using test::LastError;
-using test::LogLines;
 
 constexpr std::int64_t kLong = 45'000'000'000;
 

@@ -7,7 +7,6 @@ namespace {
 
 using test::Await;
 using test::LastError;
-using test::LogLines;
 
 struct Ended {
   std::atomic<int> calls{0};

@@ -16,7 +16,6 @@ using test::LogLines;
 using test::Publish;
 using test::Publisher;
 using test::Take;
-using test::Texts;
 using CSession = test::CTest;
 
 TEST_F(CSession, NullArgumentsGiveACodeAndASentence) {
@@ -49,6 +48,7 @@ TEST_F(CSession, NullArgumentsGiveACodeAndASentence) {
 }
 
 TEST_F(CSession, ConfigurationErrorsNameLineAndFix) {
+  session.reset();  // Its threads may read the environment.
   hgros_session* opened = nullptr;
   EXPECT_EQ(hgros_session_open("netwrok: {}", nullptr, &opened), HGROS_CONFIG_ERROR);
   ASSERT_EQ(setenv("HGROS_CONFIG", "netwrk: {}", 1), 0);
@@ -65,7 +65,7 @@ TEST_F(CSession, ReadsAndMergesFiles) {
   std::filesystem::create_directories(folder);
   const std::string one = folder / "one.yaml";
   const std::string two = folder / "two.yaml";
-  std::ofstream(one) << test::DomainYaml() << "\n";
+  std::ofstream(one) << yaml << "\n";
   std::ofstream(two) << "channels: {words: {latched: 1}}\n";
   const char* const files[] = {one.c_str(), two.c_str()};
   hgros_session* opened = nullptr;
@@ -254,7 +254,7 @@ TEST_F(CSession, SessionMayBeClosedInItsOwnCallback) {
   // It stays until the process ends, so what its log uses must stay, too.
   static LogLines& lines = *new LogLines;
   static std::atomic<bool> closed{false};
-  const auto own = test::Open(test::DomainYaml(), lines).release();
+  const auto own = test::Open(yaml, lines).release();
   hgros_transforms* transforms = nullptr;
   ASSERT_EQ(hgros_transforms_open(own, &transforms), HGROS_OK);
   struct Both {

@@ -149,13 +149,13 @@ class SessionEndWithoutConnection : public test::DomainFixture {
 };
 
 TEST_F(SessionEndWithoutConnection, SaysThatAMessageOnItsWayIsLost) {
-  Break();
+  ASSERT_NO_FATAL_FAILURE(Break());
   talker_.session.reset();
   EXPECT_EQ(talker_.Count(kRestIsLost), 1U);
 }
 
 TEST_F(SessionEndWithoutConnection, SaysOnceThatTheRestIsLost) {
-  Break();
+  ASSERT_NO_FATAL_FAILURE(Break());
   const std::uint64_t on_its_way = Out().queued_bytes;
   ASSERT_EQ(publish_(Note("y")), PublishStatus::kOk);
   EXPECT_GT(Out().queued_bytes, on_its_way);

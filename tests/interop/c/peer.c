@@ -194,7 +194,7 @@ static void Subscribe(const char* channel, const char* count) {
     Require(status);
     ReadLog(message, text);
     hgros_message_free(message);
-    if (++received == 1) Say("receiving");
+    if (++received == 1) Say("receiving %s", text);
     if (received == 1) from_one = strcmp(text, "1") == 0;
     if (from_one && atol(text) != received) Fail("\"%s\" came, not %ld.", text, received);
   }

@@ -2,7 +2,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
@@ -185,9 +184,10 @@ class Peer {
           [&](const Log& log) {
             if (received == most || !fault.empty()) return;
             last = log.message();
-            if (++received == 1) Say("receiving");
+            if (++received == 1) Say("receiving " + last);
             if (received == 1) from_one = last == "1";
-            if (from_one && last != std::to_string(received)) fault = "\"" + last + "\" came, not " + count + ".";
+            if (from_one && last != std::to_string(received))
+              fault = "\"" + last + "\" came, not " + std::to_string(received) + ".";
             if (received == most || !fault.empty()) end.Set("");
           },
           Lossless());

@@ -5,7 +5,7 @@ using System.Threading;
 using Hgros;
 
 // The peer of C#, which talks to those of other languages: Peer.exe ROLE [ARGUMENT...]. One session, whose YAML is in
-// HGROS_INTEROP_YAML. A role that waits for something waits at most 30 s.
+// HGROS_INTEROP_YAML.
 internal static class Peer {
   private static readonly TimeSpan Patience = TimeSpan.FromSeconds(30);
   private static readonly DynamicType Log = DynamicType.Known("foxglove.Log");
@@ -43,14 +43,11 @@ internal static class Peer {
   private static void UntilStdinIsClosed() => Console.In.ReadToEnd();
 
   // Takes steps in a thread, `most` or until stdin is closed, and then writes how many.
-  private static void Repeat(Session session, int most, string first, Action<int> step, Func<int, string> last) {
+  private static void Repeat(Session session, int most, Action<int> step, Func<int, string> last) {
     var thread = new Thread(() => {
       int count = 0;
       try {
-        while (count < most) {
-          step(count + 1);
-          if (++count == 1) Console.WriteLine(first);
-        }
+        for (; count < most; ++count) step(count + 1);
       } catch (HgrosException failure) when (failure.Code == Code.Closed) {}
       Console.WriteLine(last(count));
     });
@@ -63,16 +60,19 @@ internal static class Peer {
   private static void Publish(Session session, string channel, int count) {
     using (var publisher = session.Advertise(channel, Log)) {
       session.WaitForSubscribers(channel, 1, Patience);
-      Repeat(session, count, "publishing", i => publisher.PublishWait(Say(i.ToString())), sent => "published " + sent);
+      Repeat(session, count, i => {
+        publisher.PublishWait(Say(i.ToString()));
+        if (i == 1) Console.WriteLine("publishing");
+      }, sent => "published " + sent);
     }
   }
 
   private static void Subscribe(Session session, string channel, int count) {
     string first = null, last = null;
     using (var queue = session.Subscribe(channel, Log, new SubscribeOptions { KeepAll = 100 }))
-      Repeat(session, count, "receiving", i => {
+      Repeat(session, count, i => {
         last = Said(queue.Next());
-        first = first ?? last;
+        if (i == 1) Console.WriteLine("receiving " + (first = last));
         if (first == "1" && last != i.ToString())
           throw new InvalidDataException("\"" + last + "\" came instead of \"" + i + "\".");
       }, received => "received " + received + " " + last);

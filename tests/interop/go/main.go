@@ -166,7 +166,7 @@ func (p *peer) subscribe(_ context.Context, channel, count string) {
 		last = log.Message
 		if received++; received == 1 {
 			first = last
-			say("receiving")
+			say("receiving %s", last)
 		}
 		if first == "1" && last != strconv.Itoa(received) {
 			panic(fmt.Errorf("%q came, not %d.", last, received))

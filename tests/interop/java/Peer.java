@@ -106,7 +106,7 @@ final class Peer {
         last = log.getMessage();
         if (++received == 1) {
           first = last;
-          say("receiving");
+          say("receiving " + last);
         }
         if (first.equals("1") && !last.equals(Integer.toString(received))) {
           throw new IllegalStateException("\"" + last + "\" came, not " + received + ".");

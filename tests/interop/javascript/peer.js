@@ -100,7 +100,7 @@ const ROLES = {
     let last;
     for await (const { message } of subscription) {
       last = message.message;
-      if (++received === 1) say('receiving');
+      if (++received === 1) say(`receiving ${last}`);
       first ??= last;
       ensure(first !== '1' || last === String(received), `Message ${received} is "${last}".`);
       if (received === Number(count)) break;

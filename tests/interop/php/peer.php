@@ -135,7 +135,7 @@ final class Peer
                 $last = $log->getMessage();
                 if (++$received === 1) {
                     $first = $last;
-                    say('receiving');
+                    say("receiving $last");
                 }
                 if ($first === '1' && $last !== (string) $received) {
                     throw new RuntimeException("\"$last\" came, not $received.");

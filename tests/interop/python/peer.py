@@ -105,7 +105,7 @@ class Peer:
                 received, last = received + 1, log.message
                 if received == 1:
                     first = last
-                    say("receiving")
+                    say(f"receiving {last}")
                 if first == "1" and last != str(received):
                     raise Fault(f'"{last}" came, not {received}.')
         say(f"received {received} {last}")

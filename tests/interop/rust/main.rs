@@ -58,7 +58,6 @@ fn log_of(text: &str) -> Log {
 fn repeat(
     session: &Session,
     most: u64,
-    first: &str,
     mut step: impl FnMut(u64) -> hgros::Result<()>,
     last: impl FnOnce(u64) -> String,
 ) {
@@ -76,9 +75,6 @@ fn repeat(
                 Err(error) if error.status() == Status::Closed && over.load(Ordering::Acquire) => break,
                 Err(error) => fail(&error.to_string()),
             }
-            if count == 1 {
-                say(first);
-            }
         }
         say(&last(count));
     });
@@ -93,8 +89,14 @@ fn fail(sentence: &str) -> ! {
 fn publish(session: &Session, channel: &str, count: u64) -> Result<(), Failure> {
     let publisher: Publisher<Log> = session.advertise(channel, PublishOptions::default())?;
     session.wait_for_subscribers(channel, 1, PATIENCE)?;
-    let step = |number: u64| publisher.publish_wait(&log_of(&number.to_string()), Duration::MAX);
-    repeat(session, count, "publishing", step, |sent| format!("published {sent}"));
+    let step = |number: u64| {
+        publisher.publish_wait(&log_of(&number.to_string()), Duration::MAX)?;
+        if number == 1 {
+            say("publishing");
+        }
+        Ok(())
+    };
+    repeat(session, count, step, |sent| format!("published {sent}"));
     Ok(())
 }
 
@@ -107,10 +109,13 @@ fn subscribe(session: &Session, channel: &str, count: u64) -> Result<(), Failure
         if from_one && text != number.to_string() {
             fail(&format!("The message is {text:?} instead of {number}."));
         }
+        if number == 1 {
+            say(&format!("receiving {text}"));
+        }
         last.replace(text);
         Ok(())
     };
-    repeat(session, count, "receiving", step, |received| format!("received {received} {}", last.borrow()));
+    repeat(session, count, step, |received| format!("received {received} {}", last.borrow()));
     Ok(())
 }
 
