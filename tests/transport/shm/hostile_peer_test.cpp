@@ -52,6 +52,7 @@ class HostilePeer : public testing::Test, public conformance::World {
     options.process = "honest";
     options.place = at;
     options.heartbeat = std::chrono::milliseconds(50);
+    options.peer_timeout = std::chrono::milliseconds(2000);
     options.limit_bytes = 8 << 20;
     return options;
   }
