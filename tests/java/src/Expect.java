@@ -1,6 +1,10 @@
 import com.google.protobuf.StringValue;
 import java.lang.ref.WeakReference;
+import java.lang.reflect.InvocationTargetException;
+import java.lang.reflect.Method;
+import java.lang.reflect.Modifier;
 import java.time.Duration;
+import java.util.List;
 import java.util.Objects;
 import java.util.concurrent.Callable;
 import java.util.concurrent.CountDownLatch;
@@ -12,12 +16,34 @@ import org.hgros.HgrosException;
 import org.hgros.Session;
 import org.hgros.SessionOptions;
 
-/** What the tests share. */
+/** What the tests share, and what runs them: each public static method of a class is a test in a domain of its own. */
 final class Expect {
   static final Duration PATIENCE = Duration.ofSeconds(45);
   static final StringValue TEXT = StringValue.getDefaultInstance();
 
+  private static String domain;
+
   private Expect() {}
+
+  /** Runs the tests of a class one after the other. */
+  public static void main(String[] arguments) throws ReflectiveOperationException {
+    int failed = 0;
+    for (Method test : Class.forName(arguments[0]).getDeclaredMethods()) {
+      if (Modifier.isPublic(test.getModifiers())) {
+        domain = "java-" + test.getName();
+        try {
+          test.invoke(null);
+          System.out.println("PASS " + test.getName());
+        } catch (InvocationTargetException e) {
+          System.out.println("FAIL " + test.getName());
+          e.getCause().printStackTrace(System.out);
+          failed++;
+        }
+      }
+    }
+    System.out.println(failed + " failed");
+    System.exit(failed == 0 ? 0 : 1); // Also if a test has left a thread.
+  }
 
   /** The action of a test that may throw. */
   interface Action {
@@ -25,7 +51,11 @@ final class Expect {
   }
 
   static Session session(String name) {
-    return Session.open("", new SessionOptions().name(name));
+    return session(new SessionOptions().name(name));
+  }
+
+  static Session session(SessionOptions options) {
+    return Session.open("discovery: {domain: " + domain + "}", options);
   }
 
   static void equal(Object actual, Object expected) {
@@ -40,17 +70,35 @@ final class Expect {
     }
   }
 
-  /** The sentence of the failure. */
-  static String fails(Code code, Action action) throws Exception {
+  static <T extends Throwable> T thrown(Class<T> type, Action action) throws Exception {
     try {
       action.run();
-    } catch (HgrosException e) {
-      if (e.code() == code) {
-        return e.getMessage();
+    } catch (Throwable e) {
+      if (type.isInstance(e)) {
+        return type.cast(e);
       }
       throw e;
     }
-    throw new AssertionError("it did not fail with " + code);
+    throw new AssertionError("there was no " + type.getName());
+  }
+
+  /** The sentence of the failure. */
+  static String fails(Code code, Action action) throws Exception {
+    HgrosException failure = thrown(HgrosException.class, action);
+    if (failure.code() != code) {
+      throw failure;
+    }
+    return failure.getMessage();
+  }
+
+  /** Each of them is an argument that the binding refuses with these words. */
+  static void refused(List<Action> uses, String... words) throws Exception {
+    for (Action use : uses) {
+      String sentence = fails(Code.INVALID_ARGUMENT, use);
+      for (String word : words) {
+        holds(sentence.contains(word), sentence);
+      }
+    }
   }
 
   /** Waits for a latch also in callbacks. */
@@ -69,15 +117,12 @@ final class Expect {
     });
   }
 
-  /** The failure with which a future ends. */
   static void ends(Future<?> future, Code code) throws Exception {
-    try {
-      future.get(PATIENCE.toSeconds(), TimeUnit.SECONDS);
-    } catch (ExecutionException e) {
-      equal(((HgrosException) e.getCause()).code(), code);
-      return;
-    }
-    throw new AssertionError("it did not end with " + code);
+    equal(((HgrosException) failure(future)).code(), code);
+  }
+
+  static Throwable failure(Future<?> future) throws Exception {
+    return thrown(ExecutionException.class, () -> future.get(PATIENCE.toSeconds(), TimeUnit.SECONDS)).getCause();
   }
 
   static void eventually(String what, Callable<Boolean> condition) throws Exception {
@@ -86,5 +131,16 @@ final class Expect {
       holds(System.nanoTime() < end, what + " did not hold in time");
       Thread.sleep(2);
     }
+  }
+
+  static void eventuallyFails(String what, Code code, Action action) throws Exception {
+    eventually(what, () -> {
+      try {
+        action.run();
+        return false;
+      } catch (HgrosException e) {
+        return e.code() == code;
+      }
+    });
   }
 }

@@ -88,12 +88,7 @@ final class MessagesTest {
       Expect.equal(first.data(), ByteBuffer.wrap(new byte[] {1, 2, 3}));
       Expect.equal(second.data().remaining(), 0);
       Expect.equal(ReceivedMessage.leases(), before + 2);
-      try {
-        first.data().put(0, (byte) 9);
-        throw new AssertionError("the bytes can be written");
-      } catch (ReadOnlyBufferException e) {
-        // As it should be.
-      }
+      Expect.thrown(ReadOnlyBufferException.class, () -> first.data().put(0, (byte) 9));
       Expect.fails(Code.NOT_FOUND, first::decode);
       ReceivedMessage kept = first.keep();
       first.close();
@@ -147,19 +142,16 @@ final class MessagesTest {
       try (ReceivedMessage message = taken.take(Expect.PATIENCE)) {
         Expect.equal(message.data(), ByteBuffer.wrap(bytes));
       }
-      try {
-        raw.publishInPlace(10, buffer -> buffer.put(bytes), Expect.PATIENCE);
-        throw new AssertionError("ten bytes are room for more");
-      } catch (java.nio.BufferOverflowException e) {
-        Expect.equal(taken.take(java.time.Duration.ofMillis(1)), null);
-      }
+      Expect.thrown(java.nio.BufferOverflowException.class,
+          () -> raw.publishInPlace(10, buffer -> buffer.put(bytes), Expect.PATIENCE));
+      Expect.equal(taken.take(java.time.Duration.ofMillis(1)), null);
     }
   }
 
   public static void otherTypesAreCountedAndNamed() throws Exception {
     StringBuffer lines = new StringBuffer();
     try (Session from = Expect.session("from");
-        Session to = Session.open("", new org.hgros.SessionOptions().log((level, line) -> lines.append(line)))) {
+        Session to = Expect.session(new org.hgros.SessionOptions().log((level, line) -> lines.append(line)))) {
       Publisher<Struct> publisher = from.advertise("words", Struct.getDefaultInstance());
       Subscription<StringValue> queue = to.subscribe("words", Expect.TEXT);
       Expect.eventually("the log names both types", () -> {
@@ -218,16 +210,7 @@ final class MessagesTest {
     Expect.fails(Code.CLOSED, () -> late.publish(Expect.TEXT));
     late.close();
     Expect.fails(Code.CLOSED, () -> session.advertise("words", Expect.TEXT));
-    HgrosException printed = new Object() {
-      HgrosException caught() {
-        try {
-          session.id();
-        } catch (HgrosException e) {
-          return e;
-        }
-        throw new AssertionError("a closed session has an id");
-      }
-    }.caught();
+    HgrosException printed = Expect.thrown(HgrosException.class, session::id);
     Expect.equal(printed.toString(), "hgros: closed: The session is closed.");
   }
 }

@@ -55,29 +55,11 @@ final class ParamsTest {
     }
   }
 
-  public static void parametersLiveWhileTheyAreWatched() throws Exception {
+  public static void parametersLiveWhileTheyAreWatchedAndAnotherSessionSetsThem() throws Exception {
     BlockingQueue<String> changes = new ArrayBlockingQueue<>(100);
     try (Session robot = Expect.session("robot"); Session tool = Expect.session("tool")) {
       watch(robot, changes);
       Expect.collected(new WeakReference<>(new Object()));
-      try (Params theirs = tool.paramsOf("robot", Expect.PATIENCE)) {
-        theirs.set("speed", 7);
-        Expect.equal(changes.take(), "speed=7");
-      }
-    }
-  }
-
-  /** Nobody but the watch knows the parameters. */
-  private static void watch(Session robot, BlockingQueue<String> changes) {
-    Params params = robot.params();
-    params.declare("speed", 1, new ParamInfo());
-    params.onChange("speed", (path, yaml) -> changes.add(path + "=" + yaml));
-  }
-
-  public static void parametersOfAnotherSession() throws Exception {
-    try (Session robot = Expect.session("robot"); Session tool = Expect.session("tool")) {
-      Params own = robot.params();
-      own.declare("speed", 1, new ParamInfo());
       try (Params theirs = tool.paramsOf("robot", Expect.PATIENCE)) {
         Expect.eventually("the parameter can be set", () -> {
           try {
@@ -87,8 +69,16 @@ final class ParamsTest {
             return false;
           }
         });
-        Expect.equal(own.getInteger("speed"), 7L);
+        Expect.equal(changes.take(), "speed=7");
+        Expect.equal(theirs.getInteger("speed"), 7L);
       }
     }
+  }
+
+  /** Nobody but the watch knows the parameters. */
+  private static void watch(Session robot, BlockingQueue<String> changes) {
+    Params params = robot.params();
+    params.declare("speed", 1, new ParamInfo());
+    params.onChange("speed", (path, yaml) -> changes.add(path + "=" + yaml));
   }
 }

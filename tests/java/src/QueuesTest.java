@@ -179,30 +179,6 @@ final class QueuesTest {
     }
   }
 
-  public static void whatCallbacksThrowIsLoggedAndCounted() throws Exception {
-    StringBuffer lines = new StringBuffer();
-    SessionOptions options = new SessionOptions().log((level, line) -> lines.append(line).append('\n'));
-    try (Session session = Session.open("", options)) {
-      Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT);
-      CountDownLatch last = new CountDownLatch(1);
-      queue.onMessage(message -> {
-        if (message.getValue().equals("last")) {
-          last.countDown();
-        } else {
-          throw new IllegalStateException("a " + message.getValue());
-        }
-      });
-      Publisher<StringValue> publisher = session.advertise("words", Expect.TEXT);
-      publisher.publish(text("mouse"));
-      publisher.publish(text("cat"));
-      publisher.publish(text("last"));
-      Expect.passes(last);
-      Expect.equal(queue.stats().failed(), 2L);
-      Expect.eventually("the log names it", () -> lines.indexOf(
-          "The callback of channel \"words\" failed: java.lang.IllegalStateException: a mouse at QueuesTest") >= 0);
-    }
-  }
-
   public static void aSubscriptionIsClosedInItsCallback() throws Exception {
     try (Session session = Expect.session("ends")) {
       AtomicReference<RawSubscription> self =
@@ -236,13 +212,10 @@ final class QueuesTest {
     Expect.fails(Code.CLOSED, session::id);
   }
 
-  public static void closingWaitsForTheCallback() throws Exception {
+  public static void closingASubscriptionOrItsSessionWaitsForTheCallback() throws Exception {
     try (Session session = Expect.session("waits")) {
       closeInACallback(session, false);
     }
-  }
-
-  public static void closingTheSessionWaitsForTheCallback() throws Exception {
     closeInACallback(Expect.session("waits"), true);
   }
 
@@ -274,27 +247,11 @@ final class QueuesTest {
     Expect.equal(leftAtClose.get(), 1);
   }
 
-  public static void anExecutorThatRefusesEndsItsSubscription() throws Exception {
+  public static void anExecutorThatRefusesEndsItsSubscriptionAndWakesThoseThatTake() throws Exception {
     StringBuffer lines = new StringBuffer();
-    try (Session session = Session.open("", new SessionOptions().log((level, line) -> lines.append(line)))) {
+    try (Session session = Expect.session(new SessionOptions().log((level, line) -> lines.append(line)))) {
       ExecutorService executor = Executors.newSingleThreadExecutor();
       executor.shutdown();
-      Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT).onMessage(executor, message -> { });
-      session.advertise("words", Expect.TEXT).publish(text(1));
-      Expect.eventually("the subscription ends", () -> {
-        try {
-          return queue.stats() == null;
-        } catch (HgrosException e) {
-          return e.code() == Code.CLOSED;
-        }
-      });
-      Expect.holds(lines.indexOf("takes no task") >= 0, lines);
-    }
-  }
-
-  public static void thoseThatTakeWakeWhenTheExecutorRefuses() throws Exception {
-    try (Session session = Session.open("", new SessionOptions().log((level, line) -> { }))) {
-      ExecutorService executor = Executors.newSingleThreadExecutor();
       Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT).onMessage(executor, message -> { });
       Waiting next = new Waiting(() -> {
         while (queue.next() != null) { // The message is for one of the three.
@@ -305,10 +262,11 @@ final class QueuesTest {
           queue.raw().take().close();
         }
       });
-      executor.shutdown();
       session.advertise("words", Expect.TEXT).publish(text(1));
       next.endsWith(Code.CLOSED);
       take.endsWith(Code.CLOSED);
+      Expect.eventuallyFails("the subscription ends", Code.CLOSED, queue::stats);
+      Expect.eventually("the log says why", () -> lines.indexOf("takes no task") >= 0);
     }
   }
 
@@ -322,27 +280,33 @@ final class QueuesTest {
     }
   }
 
-  public static void anExceptionWithoutADescriptionStopsNoQueue() throws Exception {
+  public static void whatCallbacksThrowIsLoggedAndCountedAndStopsNoQueue() throws Exception {
     StringBuffer lines = new StringBuffer();
-    try (Session session = Session.open("", new SessionOptions().log((level, line) -> lines.append(line)))) {
-      BlockingQueue<String> got = new ArrayBlockingQueue<>(10);
+    SessionOptions options = new SessionOptions().log((level, line) -> lines.append(line).append('\n'));
+    try (Session session = Expect.session(options)) {
       session.subscribe("refused", Expect.TEXT).onMessage(task -> {
         throw new Hostile();
       }, message -> { });
-      session.subscribe("words", Expect.TEXT).onMessage(message -> {
-        if (message.getValue().equals("bad")) {
-          throw new Hostile();
-        }
-        got.add(message.getValue());
-      });
       session.advertise("refused", Expect.TEXT).publish(text("nobody runs it"));
       Expect.eventually("the executor's failure is logged", () -> lines.indexOf("takes no task") >= 0);
+      CountDownLatch last = new CountDownLatch(1);
+      Subscription<StringValue> queue =
+          session.subscribe("words", Expect.TEXT, new SubscribeOptions().keepAll(10)).onMessage(message -> {
+            switch (message.getValue()) {
+              case "last" -> last.countDown();
+              case "bad" -> throw new Hostile();
+              default -> throw new IllegalStateException("a " + message.getValue());
+            }
+          });
       Publisher<StringValue> publisher = session.advertise("words", Expect.TEXT);
-      publisher.publish(text("bad"));
-      Expect.eventually("the callback's failure is logged",
-          () -> lines.indexOf("\"words\" failed: QueuesTest$Hostile") >= 0);
-      publisher.publish(text("good"));
-      Expect.equal(got.poll(Expect.PATIENCE.toSeconds(), TimeUnit.SECONDS), "good");
+      for (String word : List.of("mouse", "cat", "bad", "last")) {
+        publisher.publish(text(word));
+      }
+      Expect.passes(last);
+      Expect.equal(queue.stats().failed(), 3L);
+      Expect.eventually("the log names both", () -> lines.indexOf("\"words\" failed: QueuesTest$Hostile") >= 0
+          && lines.indexOf(
+              "The callback of channel \"words\" failed: java.lang.IllegalStateException: a mouse at QueuesTest") >= 0);
     }
   }
 

@@ -34,7 +34,7 @@ final class SessionTest {
     sentence = Expect.fails(Code.CONFIG_ERROR,
         () -> Session.openFiles(List.of(Path.of("/no/such.yaml")), new SessionOptions()));
     Expect.holds(sentence.contains("/no/such.yaml"), sentence);
-    try (Session session = Session.open("", new SessionOptions().name("robot7"))) {
+    try (Session session = Expect.session("robot7")) {
       Expect.equal(session.name(), "robot7");
       sentence = Expect.fails(Code.ERROR, () -> session.advertise("", Expect.TEXT));
       Expect.holds(sentence.endsWith("."), sentence);
@@ -43,7 +43,7 @@ final class SessionTest {
 
   public static void theLogGoesToTheProgram() throws Exception {
     BlockingQueue<String> lines = new LinkedBlockingQueue<>();
-    try (Session session = Session.open("", new SessionOptions().name("logger").log((level, line) -> {
+    try (Session session = Expect.session(new SessionOptions().name("logger").log((level, line) -> {
       lines.add(level + " " + line);
       throw new IllegalStateException("a log that fails harms nobody");
     }))) {
@@ -154,10 +154,7 @@ final class SessionTest {
           () -> transforms.set(cut, "base", pose),
           () -> transforms.lookup("map", cut),
           () -> transforms.await("map", cut, Instant.EPOCH, Expect.PATIENCE));
-      for (Expect.Action use : uses) {
-        String sentence = Expect.fails(Code.INVALID_ARGUMENT, use);
-        Expect.holds(sentence.contains("U+0000") && sentence.contains("\\0"), sentence);
-      }
+      Expect.refused(uses, "U+0000", "\\0");
       session.serve("fails", Expect.TEXT, Expect.TEXT, request -> {
         throw new IllegalStateException("a\0b");
       });
@@ -170,27 +167,19 @@ final class SessionTest {
   public static void textsWithHalfASurrogatePairAreRefused() throws Exception {
     String half = "words \ud83d";
     try (Session session = Expect.session("texts")) {
-      List<Expect.Action> uses = List.of(
+      Expect.refused(List.of(
           () -> session.log(LogLevel.INFO, half),
           () -> session.advertise(half, Expect.TEXT),
-          () -> session.paramsOf(half, Expect.PATIENCE));
-      for (Expect.Action use : uses) {
-        String sentence = Expect.fails(Code.INVALID_ARGUMENT, use);
-        Expect.holds(sentence.contains("surrogate"), sentence);
-      }
+          () -> session.paramsOf(half, Expect.PATIENCE)), "surrogate");
     }
   }
 
   public static void negativeNumbersOfMessagesAreRefused() throws Exception {
-    List<Expect.Action> uses = List.of(
+    Expect.refused(List.of(
         () -> new SubscribeOptions().keepLast(-1),
         () -> new SubscribeOptions().keepAll(-1),
         () -> new SubscribeOptions().keepAllBytes(-1),
         () -> new PublishOptions().latched(-1),
-        () -> new ServeOptions().mostWaiting(-1));
-    for (Expect.Action use : uses) {
-      String sentence = Expect.fails(Code.INVALID_ARGUMENT, use);
-      Expect.holds(sentence.contains("is -1"), sentence);
-    }
+        () -> new ServeOptions().mostWaiting(-1)), "is -1");
   }
 }
