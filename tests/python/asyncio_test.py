@@ -26,40 +26,33 @@ async def first(robot, *waits):
     asyncio.get_running_loop().call_soon(lambda: asyncio.get_running_loop().call_soon(print, "waits"))
     await asyncio.gather(*waits)
 
-async def main():
+async def main(waits):
     with hgros.Session() as robot:
-        await first(robot, WAITS)
+        await first(robot, *waits(robot))
 
-asyncio.run(main())
+for waits in (lambda robot: [listen(robot)], lambda robot: [listen(robot, timeout=100)], lambda robot: [ask(robot)],
+              lambda robot: [robot.spin_async()]):
+    try:
+        asyncio.run(main(waits))
+    except KeyboardInterrupt:
+        print("interrupted")
+asyncio.run(main(lambda robot: [listen(robot), ask(robot), robot.spin_async()]))
 """
 
 
 class Asyncio(RobotTest):
-    def run_until_ctrl_c(self, waits):
-        process = self.python("import functools; print = functools.partial(print, flush=True)" +
-                              PROGRAM.replace("WAITS", waits))
-        self.assertEqual(process.stdout.readline(), "waits\n")
-        process.send_signal(signal.SIGINT)
+    def test_ctrl_c_ends_loops_calls_callbacks_and_several_waits_at_once(self):
+        process = self.python("import functools; print = functools.partial(print, flush=True)" + PROGRAM)
+        for ended in range(5):
+            self.assertEqual(process.stdout.readline(), "waits\n")
+            process.send_signal(signal.SIGINT)
+            if ended < 4:
+                self.assertEqual(process.stdout.readline(), "interrupted\n")
         out, err, code = self.finish(process)
         self.assertEqual((out, code), ("", -signal.SIGINT), err)
         self.assertEqual(err.splitlines()[-1], "KeyboardInterrupt")
         for noise in ("destroyed", "never", "ignored", "Warning", "hgros:"):
             self.assertNotIn(noise, err)
-
-    def test_ctrl_c_ends_a_loop_over_messages(self):
-        self.run_until_ctrl_c("listen(robot)")
-
-    def test_ctrl_c_ends_a_loop_with_a_timeout(self):
-        self.run_until_ctrl_c("listen(robot, timeout=100)")
-
-    def test_ctrl_c_ends_a_call(self):
-        self.run_until_ctrl_c("ask(robot)")
-
-    def test_ctrl_c_ends_callbacks(self):
-        self.run_until_ctrl_c("robot.spin_async()")
-
-    def test_ctrl_c_ends_several_waits_at_once(self):
-        self.run_until_ctrl_c("listen(robot), ask(robot), robot.spin_async()")
 
     def test_several_tasks_wait_for_one_reply(self):
         robot, other = self.session(), self.session()

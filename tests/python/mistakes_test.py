@@ -38,12 +38,18 @@ class Mistakes(RobotTest):
         self.refused(lambda: robot.timer(function), TypeError, "write it with brackets and the seconds")
         self.refused(lambda: robot.params.on_change(function), TypeError, "write it with brackets and the name")
         self.refused(lambda: robot.timer(0), ValueError, "A period must be above 0 s")
+        self.refused(lambda: robot.timer(0, print), ValueError, "A period must be above 0 s")
 
     def test_message_for_a_class_and_class_for_a_message_are_named(self):
         robot = self.session()
         publisher = robot.advertise("log", Log)
         self.refused(lambda: robot.advertise("other", Log()), TypeError, "Give Log without brackets")
         self.refused(lambda: publisher.publish(Log), TypeError, 'carries foxglove.Log, not the class Log')
+        self.refused(lambda: publisher.publish(Vector2()), TypeError, 'Channel "log" carries foxglove.Log, not Vector2')
+        self.refused(lambda: robot.advertise("other", int), TypeError, "is not a class of messages")
+        self.refused(lambda: robot.subscribe("log", int), TypeError, "is not a class of messages")
+        self.refused(lambda: robot.subscribe("log", lambda message, info: None), TypeError,
+                     'robot.subscribe("log", callback=')
         self.refused(lambda: robot.call("add", Log, Log), TypeError, 'The request to service "add" is a message, not <class')
 
     def test_arguments_of_a_wrong_type_are_named(self):
@@ -72,6 +78,7 @@ class Mistakes(RobotTest):
         with self.assertRaises(hgros.TypeMismatch) as raised:
             robot.advertise("log", Vector2)
         self.assertIn(f"{__file__}:{first + 3}: ", str(raised.exception))
+        self.assertIn("foxglove.Vector2", str(raised.exception))
         self.assertIn(f"first used with it at {__file__}:{first})", str(raised.exception))
         robot.serve("add", Log, Log, lambda request: request)
         self.refused(lambda: robot.serve("add", Log, Log, lambda request: request), hgros.Error, f"{__file__}:")

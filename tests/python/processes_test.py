@@ -8,38 +8,33 @@ from foxglove.Log_pb2 import Log
 
 
 class Processes(RobotTest):
-    def interrupt(self, code):
-        process = self.python(code)
-        self.assertEqual(process.stdout.readline(), "ready\n", process.stderr)
-        process.send_signal(signal.SIGINT)
-        return self.finish(process)
-
-    def test_ctrl_c_ends_spin_at_once(self):
-        out, err, code = self.interrupt("import hgros\n"
-                                        "with hgros.Session() as robot:\n"
-                                        "    robot.subscribe('log', callback=lambda message, info: None)\n"
-                                        "    try: print('ready', flush=True); robot.spin()\n"
-                                        "    except KeyboardInterrupt: print('interrupted', flush=True)\n")
-        self.assertEqual((out, code), ("interrupted\n", 0), err)
-
-    def test_ctrl_c_ends_a_loop_over_messages_at_once(self):
-        _, err, code = self.interrupt("import hgros\n"
-                                      "with hgros.Session() as robot:\n"
-                                      "    messages = robot.messages('log')\n"
-                                      "    print('ready', flush=True)\n"
-                                      "    for message in messages: pass\n")
-        self.assertEqual(code, -signal.SIGINT, err)
+    def test_ctrl_c_ends_spin_a_publisher_that_waits_for_room_and_a_loop_at_once(self):
+        process = self.python("import hgros\n"
+                              "from foxglove.Log_pb2 import Log\n"
+                              "def interrupted(wait):\n"
+                              "    try: print('ready', flush=True); wait()\n"
+                              "    except KeyboardInterrupt: print('interrupted', flush=True)\n"
+                              "with hgros.Session() as robot:\n"
+                              "    robot.subscribe('log', callback=lambda message, info: None)\n"
+                              "    interrupted(robot.spin)\n"
+                              "def publish():\n"
+                              "    while True: publisher.publish(Log(), timeout=1000)\n"
+                              "with hgros.Session() as robot:\n"
+                              "    messages = robot.messages('log', queue=hgros.KeepAll(1))\n"
+                              "    publisher = robot.advertise('log', Log)\n"
+                              "    interrupted(publish)\n"
+                              "with hgros.Session() as robot:\n"
+                              "    messages = robot.messages('log')\n"
+                              "    print('ready', flush=True)\n"
+                              "    for message in messages: pass\n")
+        for last in (False, False, True):
+            self.assertEqual(process.stdout.readline(), "ready\n", process.stderr)
+            process.send_signal(signal.SIGINT)
+            if not last:
+                self.assertEqual(process.stdout.readline(), "interrupted\n", process.stderr)
+        out, err, code = self.finish(process)
+        self.assertEqual((out, code), ("", -signal.SIGINT), err)
         self.assertIn("KeyboardInterrupt", err)
-
-    def test_ctrl_c_ends_a_publisher_that_waits_for_room(self):
-        _, err, code = self.interrupt("import hgros\n"
-                                      "from foxglove.Log_pb2 import Log\n"
-                                      "with hgros.Session() as robot:\n"
-                                      "    messages = robot.messages('log', queue=hgros.KeepAll(1))\n"
-                                      "    publisher = robot.advertise('log', Log)\n"
-                                      "    print('ready', flush=True)\n"
-                                      "    while True: publisher.publish(Log(), timeout=1000)\n")
-        self.assertEqual(code, -signal.SIGINT, err)
 
     def test_interrupted_callback_leaves_the_rest_for_the_next_spin(self):
         robot = self.session()
@@ -132,26 +127,6 @@ class Processes(RobotTest):
         self.assertIn("A callback called sys.exit() on the thread of start(), which has ended.", err)
         self.assertIn("A callback raised CancelledError on the thread of start(), which has ended.", err)
 
-    def test_forked_child_says_that_the_session_is_the_parents(self):
-        out, err, code = self.run_to_end(
-            "robot = hgros.Session()\n"
-            "publisher = robot.advertise('log', Log)\n"
-            "messages = robot.messages('log', timeout=40)\n"
-            "child = os.fork()\n"
-            "if child == 0:\n"
-            "    try: robot.subscribe('log', callback=print)\n"
-            "    except hgros.Error as error: print(error, flush=True)\n"
-            "    robot.close()\n"
-            "    sys.exit(5)\n"
-            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n"
-            "publisher.publish(Log(message='alive'))\n"
-            "print(next(messages).message)\n")
-        self.assertEqual(code, 0, err)
-        lines = out.splitlines()
-        self.assertIn("forked", lines[0])
-        self.assertEqual(lines[1:], ["5", "alive"])
-        self.assertEqual(err, "")
-
     def test_spin_ends_in_a_child_that_a_callback_forks(self):
         self.assertEqual(("3 6\n", "", 0), self.run_to_end(
             "robot = hgros.Session()\n"
@@ -169,30 +144,27 @@ class Processes(RobotTest):
             "if child == 0: os._exit(len(seen))\n"
             "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), len(seen), flush=True)\n"))
 
-    def test_ctrl_c_ends_spin_in_a_forked_child(self):
-        child = ("def child():\n"
-                 "    with hgros.Session() as own:\n"
-                 "        own.subscribe('log', callback=lambda message, info: None)\n"
-                 "        own.timer(0.1, lambda tick: os.kill(os.getpid(), signal.SIGINT))\n"
-                 "        try: own.spin()\n"
-                 "        except KeyboardInterrupt: os._exit(7)\n")
-        wait = "    print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))\n"
-        ways = {
-            "after a wait": "    robot.spin_once(0.05)\n    pid = os.fork()\n    if pid == 0: child()\n" + wait,
-            "in a callback": "    pid = 0\n"
-                             "    def tick(tick):\n"
-                             "        global pid\n"
-                             "        pid = os.fork()\n"
-                             "        if pid == 0: child()\n"
-                             "        robot.stop()\n"
-                             "    robot.timer(0.05, tick)\n"
-                             "    robot.spin()\n" + wait,
-        }
-        for way, code in ways.items():
-            with self.subTest(way):
-                out, err, _ = self.finish(self.python("import os, signal, hgros\n" + child +
-                                                      "with hgros.Session() as robot:\n" + code))
-                self.assertEqual(out, "7\n", err)
+    def test_ctrl_c_ends_spin_in_a_child_that_is_forked_after_a_wait_and_in_a_callback(self):
+        out, err, _ = self.run_to_end(
+            "import signal\n"
+            "def child():\n"
+            "    with hgros.Session() as own:\n"
+            "        own.subscribe('log', callback=lambda message, info: None)\n"
+            "        own.timer(0.1, lambda tick: os.kill(os.getpid(), signal.SIGINT))\n"
+            "        try: own.spin()\n"
+            "        except KeyboardInterrupt: os._exit(7)\n"
+            "def fork(tick=None):\n"
+            "    pid = os.fork()\n"
+            "    if pid == 0: child()\n"
+            "    robot.stop()\n"
+            "    pids.append(pid)\n"
+            "pids = []\n"
+            "for in_callback in (False, True):\n"
+            "    with hgros.Session() as robot:\n"
+            "        if in_callback: robot.timer(0.05, fork), robot.spin()\n"
+            "        else: robot.spin_once(0.05), fork()\n"
+            "        print(os.waitstatus_to_exitcode(os.waitpid(pids[-1], 0)[1]), flush=True)\n")
+        self.assertEqual(out, "7\n7\n", err)
 
     def test_every_use_in_a_forked_child_says_that_the_session_is_the_parents(self):
         self.assertEqual(("5\nalive\n", "", 0), self.run_to_end(
@@ -315,21 +287,20 @@ class Processes(RobotTest):
             "print('done')\n"))
 
     def test_session_of_a_child_of_multiprocessing(self):
-        for method in ("fork", "spawn"):
-            folder = os.path.join(os.path.dirname(os.path.abspath(__file__)))
-            process = self.python(f"import sys; sys.path.insert(0, {folder!r})\n"
-                                  "import multiprocessing, hgros, in_child\n"
-                                  "if __name__ == '__main__':\n"
-                                  "    robot = hgros.Session()\n"
-                                  "    messages = robot.messages('log', timeout=40)\n"
-                                  f"    context = multiprocessing.get_context({method!r})\n"
-                                  "    child = context.Process(target=in_child.say_hello)\n"
-                                  "    child.start()\n"
-                                  "    print(next(messages).message)\n"
-                                  "    child.join()\n"
-                                  "    print(child.exitcode)\n")
-            out, err, code = self.finish(process)
-            self.assertEqual((out, code), ("hello from a child\n0\n", 0), err)
+        folder = os.path.join(os.path.dirname(os.path.abspath(__file__)))
+        process = self.python(f"import sys; sys.path.insert(0, {folder!r})\n"
+                              "import multiprocessing, hgros, in_child\n"
+                              "if __name__ == '__main__':\n"
+                              "    robot = hgros.Session()\n"
+                              "    messages = robot.messages('log', timeout=40)\n"
+                              "    for method in ('fork', 'spawn'):\n"
+                              "        child = multiprocessing.get_context(method).Process(target=in_child.say_hello)\n"
+                              "        child.start()\n"
+                              "        print(next(messages).message)\n"
+                              "        child.join()\n"
+                              "        print(child.exitcode)\n")
+        out, err, code = self.finish(process)
+        self.assertEqual((out, code), (2 * "hello from a child\n0\n", 0), err)
 
 
 if __name__ == "__main__":

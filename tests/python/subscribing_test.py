@@ -1,5 +1,6 @@
 import asyncio
 import contextlib
+import functools
 import gc
 import logging
 import pathlib
@@ -46,7 +47,7 @@ class Subscribing(RobotTest):
         self.assertEqual(f"{info.publisher:016x}", other.id)
         self.assertGreater(info.publish_time_ns, 0)
 
-    def test_decorator_returns_the_function(self):
+    def test_decorator_returns_the_function_and_subscriptions_are_found_by_their_channel(self):
         robot = self.session()
 
         @robot.subscribe("log")
@@ -54,14 +55,6 @@ class Subscribing(RobotTest):
             pass
 
         self.assertEqual(on_log.__name__, "on_log")
-
-    def test_subscriptions_are_found_by_their_channel(self):
-        robot = self.session()
-
-        @robot.subscribe("log")
-        def on_log(message, info):
-            pass
-
         again = robot.subscribe("log", callback=on_log)
         other = robot.subscribe("other", callback=on_log)
         robot.timer(1, lambda tick: None)
@@ -86,10 +79,8 @@ class Subscribing(RobotTest):
 
         robot.subscribe("log", Log, on_log, queue=hgros.KeepAll(1000))
         publisher = robot.advertise("log", Log)
-        thread = threading.Thread(target=lambda: [publisher.publish(Log(line=i), timeout=DEADLINE_S) for i in range(500)])
-        thread.start()
-        robot.spin()
-        thread.join()
+        with self.beside(lambda: [publisher.publish(Log(line=i), timeout=DEADLINE_S) for i in range(500)]):
+            robot.spin()
         self.assertEqual(heard, [(i, threading.get_ident()) for i in range(500)])
 
     def test_slow_callback_drops_the_oldest_and_counts_them(self):
@@ -105,27 +96,25 @@ class Subscribing(RobotTest):
         self.assertEqual(subscription.dropped, 7)
         self.assertEqual(subscription.received, 10)
 
-    def test_exception_is_logged_with_traceback_and_counted(self):
+    def test_exceptions_are_counted_and_the_first_ten_logged_with_traceback(self):
         robot = self.session()
+        publisher = robot.advertise("log", Log)
 
         def fails(message, info):
             raise ValueError(f"message {message.line}")
 
-        subscription = robot.subscribe("log", Log, fails)
-        publisher = robot.advertise("log", Log)
-        publisher.publish(Log(line=1))
-        publisher.publish(Log(line=2))
-        with self.assertLogs("hgros", logging.ERROR) as logged:
-            self.spin_until(robot, lambda: subscription.run == 2)
-        self.assertEqual(subscription.failed, 2)
-        self.assertIn('channel "log"', logged.output[0])
-        self.assertIn("ValueError: message 1", logged.output[0])
-        self.assertIn("in fails", logged.output[0])
-        publisher.publish(Log(line=3))
-        with self.assertLogs("hgros", logging.ERROR) as logged:
-            self.spin_until(robot, lambda: subscription.failed == 3)
-        self.assertIn("ValueError: message 3", logged.output[0])
-        self.assertIn("in fails", logged.output[0])
+        with self.assertLogs("hgros", logging.ERROR) as said:
+            heard = robot.subscribe("log", Log, fails, queue=hgros.KeepLast(100))
+            for line in range(50):
+                publisher.publish(Log(line=line))
+            self.spin_until(robot, lambda: heard.failed == 50)
+        self.assertEqual(heard.run, 50)
+        self.assertEqual(len(said.output), 11, said.output)
+        for line in range(10):
+            self.assertIn('channel "log"', said.output[line])
+            self.assertIn(f"ValueError: message {line}", said.output[line])
+            self.assertIn("in fails", said.output[line])
+        self.assertIn('A callback of channel "log" raises exceptions again and again: 11 so far.', said.output[10])
 
     def test_exception_of_a_callback_keeps_nothing(self):
         robot = self.session()
@@ -189,12 +178,9 @@ class Subscribing(RobotTest):
 
     def test_close_ends_a_spin_on_another_thread(self):
         robot = self.session()
-        thread = threading.Thread(target=robot.spin)
-        thread.start()
-        wait_until(lambda: robot._spins.locked())
-        robot.close()
-        thread.join(DEADLINE_S)
-        self.assertFalse(thread.is_alive())
+        with self.beside(robot.spin):
+            wait_until(robot._spins.locked)
+            robot.close()
 
     def test_started_session_calls_callbacks_without_spin(self):
         robot = self.session()
@@ -229,22 +215,6 @@ class Subscribing(RobotTest):
         dropped = [line for line in said.output if "has dropped" in line]
         self.assertEqual(len(dropped), 1, said.output)
         self.assertIn('"slow" on channel "log" has dropped 1 of', dropped[0])
-
-    def test_exceptions_without_end_are_logged_ten_times(self):
-        robot = self.session()
-        publisher = robot.advertise("log", Log)
-
-        def fails(message, info):
-            raise ValueError(f"message {message.line}")
-
-        with self.assertLogs("hgros", "ERROR") as said:
-            heard = robot.subscribe("log", Log, fails, queue=hgros.KeepLast(100))
-            for line in range(50):
-                publisher.publish(Log(line=line))
-            self.spin_until(robot, lambda: heard.failed == 50)
-        self.assertEqual(len(said.output), 11, said.output)
-        self.assertIn("ValueError: message 9", said.output[9])
-        self.assertIn('A callback of channel "log" raises exceptions again and again: 11 so far.', said.output[10])
 
     def test_message_that_comes_before_a_spin_waits_for_it(self):
         robot = self.session()
@@ -298,10 +268,8 @@ class Subscribing(RobotTest):
         robot.start()
         robot.advertise("log", Log).publish(Log())
         self.assertTrue(waits.wait(DEADLINE_S))
-        closer = threading.Thread(target=robot.close, daemon=True)
-        closer.start()
-        closer.join(DEADLINE_S)
-        self.assertFalse(closer.is_alive())
+        with self.beside(robot.close):
+            pass
 
     def test_interrupted_close_can_be_done_again(self):
         robot = self.session()
@@ -335,22 +303,13 @@ class Subscribing(RobotTest):
             with self.assertRaisesRegex(TypeError, "argument"):
                 register(lambda: None)
 
-    def test_function_in_place_of_the_type_is_an_error_that_says_what_to_write(self):
-        robot = self.session()
-        with self.assertRaisesRegex(TypeError, r'robot.subscribe\("log", callback='):
-            robot.subscribe("log", lambda message, info: None)
-        with self.assertRaisesRegex(TypeError, "is not a class of messages"):
-            robot.subscribe("log", int)
-
     def test_spin_finds_messages_whose_key_an_interrupted_spin_had_taken(self):
         robot = self.session()
         robot.subscribe("log", Log, lambda message, info: robot.stop())
         robot.advertise("log", Log).publish(Log())
         self.assertTrue(robot._ready.take())  # Here a signal ends the spin.
-        thread = threading.Thread(target=robot.spin, daemon=True)
-        thread.start()
-        thread.join(DEADLINE_S)
-        self.assertFalse(thread.is_alive())
+        with self.beside(robot.spin):
+            pass
 
     def test_spin_once_finds_messages_whose_key_an_interrupted_spin_had_taken(self):
         robot = self.session()
@@ -390,22 +349,21 @@ class Subscribing(RobotTest):
             wait_until(lambda: robot.subscriptions("log")[0].not_decoded == 1)
             right.publish(Log())
 
-        thread = threading.Thread(target=publish)
-        thread.start()
-        with self.assertLogs("hgros", logging.ERROR):
+        with self.beside(publish), self.assertLogs("hgros", logging.ERROR):
             self.assertTrue(robot.spin_once(DEADLINE_S))
-        thread.join()
         self.assertEqual((len(heard), again.run), (1, 1))
 
-    def test_stop_ends_spin_once(self):
+    def test_start_is_refused_while_another_thread_spins_and_stop_ends_spin_once(self):
         robot = self.session()
         found = []
-        thread = threading.Thread(target=lambda: found.append(robot.spin_once(1000)), daemon=True)
-        thread.start()
-        wait_until(robot._spins.locked)
-        robot.stop()
-        thread.join(DEADLINE_S)
+        with self.beside(lambda: found.append(robot.spin_once(1000))):
+            wait_until(robot._spins.locked)
+            with self.assertRaisesRegex(hgros.Error, "spins already"):
+                robot.start()
+            robot.stop()
         self.assertEqual(found, [False])
+        robot.start()
+        self.assertTrue(robot._thread.is_alive())
 
     def test_stop_right_after_start_ends_the_thread(self):
         robot = self.session()
@@ -414,31 +372,17 @@ class Subscribing(RobotTest):
             robot.stop()
             self.assertFalse(robot._thread.is_alive())
 
-    def test_start_is_refused_while_another_thread_spins(self):
-        robot = self.session()
-        thread = threading.Thread(target=lambda: robot.spin_once(1000), daemon=True)
-        thread.start()
-        wait_until(robot._spins.locked)
-        with self.assertRaisesRegex(hgros.Error, "spins already"):
-            robot.start()
-        robot.stop()
-        thread.join(DEADLINE_S)
-        robot.start()
-        self.assertTrue(robot._thread.is_alive())
-
     def test_close_beside_start_does_not_fail(self):
         for _ in range(100):
             robot = self.session()
-            thread = threading.Thread(target=self._start, args=(robot,))
-            thread.start()
-            robot.close()
-            thread.join(DEADLINE_S)
-            self.assertTrue(robot.closed)
 
-    @staticmethod
-    def _start(robot):
-        with contextlib.suppress(hgros.Error):
-            robot.start()
+            def start():
+                with contextlib.suppress(hgros.Error):
+                    robot.start()
+
+            with self.beside(start):
+                robot.close()
+            self.assertTrue(robot.closed)
 
     def test_wake_up_that_comes_just_before_the_wait_ends_it(self):
         robot = self.session()
@@ -479,14 +423,11 @@ class Iterating(RobotTest):
         for _ in range(10):
             robot, other = hgros.Session(), self.session()
             other.advertise("log", Log)
-            looper = threading.Thread(target=list, args=(robot.messages("log"),))
-            looper.start()
-            self.assertTrue(robot.wait_for_publishers("log", timeout=DEADLINE_S))
-            threads = len(list(pathlib.Path("/proc/self/task").iterdir()))
-            robot.close()
-            self.assertLess(len(list(pathlib.Path("/proc/self/task").iterdir())), threads)
-            looper.join(DEADLINE_S)
-            self.assertFalse(looper.is_alive())
+            with self.beside(functools.partial(list, robot.messages("log"))):
+                self.assertTrue(robot.wait_for_publishers("log", timeout=DEADLINE_S))
+                threads = len(list(pathlib.Path("/proc/self/task").iterdir()))
+                robot.close()
+                self.assertLess(len(list(pathlib.Path("/proc/self/task").iterdir())), threads)
 
     def test_loop_ends_when_no_message_comes(self):
         robot = self.session()
@@ -513,22 +454,20 @@ class Iterating(RobotTest):
         del messages
         wait_until(lambda: not robot.wait_for_subscribers("log", timeout=0.0))
 
-    def test_async_for(self):
+    def test_async_for_ends_when_no_message_comes(self):
         async def listen():
             robot = self.session()
             publisher = robot.advertise("log", Log)
             messages = robot.messages("log", Log, timeout=DEADLINE_S)
             asyncio.get_running_loop().call_later(0.02, publisher.publish, Log(line=7))
             async for message in messages:
-                return message.line
+                messages.timeout = 0.05
+                yield message.line
 
-        self.assertEqual(asyncio.run(listen()), 7)
+        async def lines():
+            return [line async for line in listen()]
 
-    def test_async_loop_ends_when_no_message_comes(self):
-        async def listen():
-            return [message async for message in self.session().messages("log", Log, timeout=0.05)]
-
-        self.assertEqual(asyncio.run(listen()), [])
+        self.assertEqual(asyncio.run(lines()), [7])
 
     def test_callbacks_run_in_an_event_loop(self):
         async def run():
@@ -551,11 +490,9 @@ class Iterating(RobotTest):
                 turns += 1
                 time.sleep(0)
 
-        thread = threading.Thread(target=work)
-        thread.start()
-        list(robot.messages("log", Log, timeout=0.2))
-        done.set()
-        thread.join()
+        with self.beside(work):
+            list(robot.messages("log", Log, timeout=0.2))
+            done.set()
         self.assertGreater(turns, 10)
 
 

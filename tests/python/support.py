@@ -4,6 +4,7 @@ import contextlib
 import os
 import subprocess
 import sys
+import threading
 import time
 import unittest
 import uuid
@@ -39,6 +40,15 @@ class RobotTest(unittest.TestCase):
         while not predicate():
             self.assertLess(time.monotonic(), deadline, "the callbacks did not do what was awaited")
             robot.spin_once(0.05)
+
+    @contextlib.contextmanager
+    def beside(self, function):
+        """While a thread runs the function, which has to end after the block."""
+        thread = threading.Thread(target=function, daemon=True)
+        thread.start()
+        yield
+        thread.join(DEADLINE_S)
+        self.assertFalse(thread.is_alive(), "the thread does not end")
 
     def python(self, code, **options):
         """A process that runs `code`, with pipes for its input and output."""
