@@ -6,6 +6,7 @@ from support import DEADLINE_S, RobotTest, main, wait_until
 import hgros
 from foxglove.LaserScan_pb2 import LaserScan
 from foxglove.Log_pb2 import Log
+from foxglove.PointCloud_pb2 import PointCloud
 
 
 def own_type(full_name="robot.Gripper", fields=("width",), pool=None):
@@ -20,11 +21,11 @@ def own_type(full_name="robot.Gripper", fields=("width",), pool=None):
 
 
 class Types(RobotTest):
-    def hear(self, publish_type, message, subscribe_type=None):
+    def hear(self, publish_type, message, subscribe_type=None, channel="channel"):
         robot, other = self.session(), self.session()
-        messages = other.messages("channel", subscribe_type, timeout=DEADLINE_S)
-        publisher = robot.advertise("channel", publish_type)
-        self.assertTrue(robot.wait_for_subscribers("channel", timeout=DEADLINE_S))
+        messages = other.messages(channel, subscribe_type, timeout=DEADLINE_S)
+        publisher = robot.advertise(channel, publish_type)
+        self.assertTrue(robot.wait_for_subscribers(channel, timeout=DEADLINE_S))
         publisher.publish(message)
         return messages
 
@@ -74,20 +75,21 @@ class Types(RobotTest):
         self.assertEqual(next(self.hear(old, old(width=2), new)).width, 2)
 
     def test_wrong_type_is_an_error_that_names_both(self):
-        messages = self.hear(LaserScan, LaserScan(), Log)
-        messages.timeout = 0.05
+        for published, subscribed in ((LaserScan, Log), (Log, PointCloud)):
+            channel = subscribed.__name__
+            messages = self.hear(published, published(), subscribed, channel)
+            messages.timeout = 0.05
 
-        def counted():  # As soon as it has come.
-            self.assertEqual(list(messages), [])
-            return messages.not_decoded == 1
+            def counted():  # As soon as it has come.
+                self.assertEqual(list(messages), [])
+                return messages.not_decoded == 1
 
-        with self.assertLogs("hgros", logging.ERROR) as logged:
-            wait_until(counted)
-        self.assertIn('channel "channel"', logged.output[0])
-        self.assertIn("foxglove.LaserScan", logged.output[0])
-        self.assertIn("foxglove.Log", logged.output[0])
-        self.assertRegex(logged.output[0], "session [0-9a-f]{16}")
-        self.assertEqual(messages.not_decoded, 1)
+            with self.assertLogs("hgros", logging.ERROR) as logged:
+                wait_until(counted)
+            for text in (f'channel "{channel}"', published.DESCRIPTOR.full_name, subscribed.DESCRIPTOR.full_name):
+                self.assertIn(text, logged.output[0])
+            self.assertRegex(logged.output[0], "session [0-9a-f]{16}")
+            self.assertEqual(messages.not_decoded, 1)
 
     def test_bytes_that_are_no_message_are_counted_and_logged_once_for_each_publisher(self):
         heard = []
