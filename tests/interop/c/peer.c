@@ -240,18 +240,14 @@ static void BulkSubscribe(const char* channel, const char* bytes) {
   hgros_subscription* const queue = Queue(channel, cloud_schema, kRoom);
   const size_t expected_size = strtoul(bytes, NULL, 10);
   hgros_message* message = NULL;
-  uint64_t sum = 0;
-  uint64_t expected = 0;
   size_t size = 0;
   Say("subscribed");
   Require(hgros_queue_take(queue, kPatience, &message));
   const unsigned char* const data = FindBytes(message, 6, &size);
   if (size != expected_size) Fail("The cloud has %lu bytes.", (unsigned long)size);
   for (size_t i = 0; i < size; ++i) {
-    sum += data[i];
-    expected += ByteAt(i);
+    if (data[i] != ByteAt(i)) Fail("The cloud has other bytes.");
   }
-  if (sum != expected || data[0] != ByteAt(0) || data[size - 1] != ByteAt(size - 1)) Fail("The cloud has other bytes.");
   hgros_message_free(message);
   Say("received %s", bytes);
   hgros_subscription_close(queue);

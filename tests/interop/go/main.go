@@ -208,13 +208,10 @@ func (p *peer) bulkSubscribe(ctx context.Context, channel, size string) {
 	if len(cloud.Data) != count {
 		panic(fmt.Errorf("The cloud has %d bytes.", len(cloud.Data)))
 	}
-	sum, expected := 0, 0
 	for i, value := range cloud.Data {
-		sum += int(value)
-		expected += int(byteAt(i))
-	}
-	if sum != expected || cloud.Data[0] != byteAt(0) || cloud.Data[count-1] != byteAt(count-1) {
-		panic(errors.New("The cloud has other bytes."))
+		if value != byteAt(i) {
+			panic(errors.New("The cloud has other bytes."))
+		}
 	}
 	say("received %s", size)
 }
