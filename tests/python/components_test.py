@@ -7,7 +7,6 @@ import re
 import signal
 import subprocess
 import tempfile
-import time
 
 from support import DEADLINE_S, RobotTest, main, wait_until
 

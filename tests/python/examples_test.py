@@ -1,8 +1,6 @@
 import os
 import pathlib
 import signal
-import subprocess
-import sys
 import unittest.mock
 
 from support import DEADLINE_S, RobotTest, main
@@ -14,16 +12,10 @@ EXAMPLES = ROOT / "examples" / "python"
 
 
 class Examples(RobotTest):
-    def example(self, name):
-        process = subprocess.Popen([sys.executable, "-B", EXAMPLES / name], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True, env=os.environ)
-        self.opened.callback(self._end, process)
-        return process
-
     def test_cloud_becomes_an_image(self):
         robot = self.session()
         images = robot.messages("height", timeout=DEADLINE_S)
-        programs = [self.example("lidar.py"), self.example("height_image.py")]
+        programs = [self.program("-B", EXAMPLES / name) for name in ("lidar.py", "height_image.py")]
         pixels = hgros.image(next(images))
         self.assertEqual(pixels.shape, (100, 100))
         self.assertEqual((pixels.min(), pixels.max()), (55, 255))
@@ -35,8 +27,8 @@ class Examples(RobotTest):
     def test_image_has_no_gaps_where_points_are_on_the_edges_of_pixels(self):
         images = self.session().messages("height", timeout=DEADLINE_S)
         with unittest.mock.patch.dict(os.environ, HGROS_PARAM_cell="0.05"):
-            self.example("lidar.py")
-            self.example("height_image.py")
+            self.program("-B", EXAMPLES / "lidar.py")
+            self.program("-B", EXAMPLES / "height_image.py")
         pixels = hgros.image(next(images))
         self.assertEqual((pixels.shape, pixels.min()), ((200, 200), 55))
 

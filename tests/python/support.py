@@ -50,10 +50,13 @@ class RobotTest(unittest.TestCase):
         thread.join(DEADLINE_S)
         self.assertFalse(thread.is_alive(), "the thread does not end")
 
-    def python(self, code, **options):
-        """A process that runs `code`, with pipes for its input and output."""
-        process = subprocess.Popen([sys.executable, "-c", code], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, **options)
+    def python(self, code):
+        return self.program("-c", code)
+
+    def program(self, *arguments):
+        """A process of Python, with pipes for its input and output."""
+        process = subprocess.Popen([sys.executable, *arguments], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
         self.opened.callback(self._end, process)
         return process
 
