@@ -242,13 +242,6 @@ test('QueuesDropOrHoldBack', async (t) => {
   await waits;
 });
 
-test('AnotherTypeIsRefused', async (t) => {
-  const session = open(t);
-  session.advertise('words', LOG);
-  assert.throws(() => session.advertise('words', 'foxglove.PoseInFrame'),
-    { code: 'HGROS_TYPE_MISMATCH', message: /foxglove\.Log/ });
-});
-
 test('CallbacksAreCalledInOrderAndMayFail', async (t) => {
   const lines = [];
   const session = open(t, { log: (level, line) => lines.push(`${level}: ${line}`) });
@@ -270,24 +263,19 @@ test('CallbacksAreCalledInOrderAndMayFail', async (t) => {
   subscription.close();
 });
 
-test('WhatFailsAgainAndAgainIsSoonOnlyCounted', async (t) => {
+test('AnythingMayBeThrownAndIsSoonOnlyCounted', async (t) => {
   const lines = [];
   const session = open(t, { log: (level, line) => lines.push(`${level}: ${line}`) });
-  session.subscribe('words', LOG, { keepAll: 100 }, ({ message }) => { throw new Error(message.message); });
+  const stackless = Object.defineProperty(new Error('x'), 'stack', { get() { throw new Error('no stack'); } });
+  const things = [stackless, Symbol('s'), Object.create(null), undefined, null, 7];
+  session.subscribe('words', LOG, { keepAll: 100 }, ({ message }) => {
+    if (session.failures < things.length) throw things[session.failures];
+    throw new Error(message.message);
+  });
   const publisher = session.advertise('words', LOG);
   for (let i = 0; i < 100; ++i) publisher.publish({ message: `no ${i}` });
   await until('all have failed', () => session.failures === 100);
   assert.strictEqual(lines.filter((line) => line.includes('"words"')).length, 10);
-});
-
-test('AnythingMayBeThrown', async (t) => {
-  const session = open(t, { log: () => {} });
-  const stackless = Object.defineProperty(new Error('x'), 'stack', { get() { throw new Error('no stack'); } });
-  const things = [stackless, Symbol('s'), Object.create(null), undefined, null, 7];
-  session.subscribe('words', LOG, { keepAll: 100 }, () => { throw things[session.failures]; });
-  const publisher = session.advertise('words', LOG);
-  for (const _ of things) publisher.publish({ message: 'x' });
-  await until('all have failed', () => session.failures === things.length);
 });
 
 test('WhatWaitsIsWoken', async (t) => {
@@ -343,19 +331,15 @@ test('ErrorsSayWhatIsWrong', async (t) => {
   assert.throws(() => session.advertise('x', class {}), invalid(/protobufjs/));
   assert.throws(() => session.advertise('', LOG), wrong('HGROS_ERROR', /name/));
   const publisher = session.advertise('x', LOG);
+  assert.throws(() => session.advertise('x', 'foxglove.PoseInFrame'), wrong('HGROS_TYPE_MISMATCH', /foxglove\.Log/));
   assert.throws(() => publisher.publish({ mesage: 'a' }), wrong('HGROS_NOT_WRITABLE', /"mesage".*message/));
   assert.throws(() => publisher.publish({ timestamp: 5 }), wrong('HGROS_NOT_WRITABLE', /timestamp/));
   assert.throws(() => publisher.publish(undefined), wrong('HGROS_NOT_WRITABLE', /undefined/));
   await assert.rejects(publisher.publishWait({}, { timeout: -1 }), invalid(/timeout is -1/));
-});
-
-test('BytesThatDoNotDecodeAreAnError', async (t) => {
-  const session = open(t);
   const subscription = session.subscribe('words', LOG);
-  const known = hgros.Schema.known(LOG);
-  session.advertise('words', known).publish(Buffer.from([0xff, 0xff]));
+  session.advertise('words', hgros.Schema.known(LOG)).publish(Buffer.from([0xff, 0xff]));
   const received = await subscription.take(patient);
-  assert.throws(() => received.message, { code: 'HGROS_NOT_WRITABLE', message: /foxglove\.Log/ });
+  assert.throws(() => received.message, wrong('HGROS_NOT_WRITABLE', /foxglove\.Log/));
 });
 
 test('TheLogComesToAFunction', async (t) => {
