@@ -50,6 +50,19 @@ function(hgros_program FILE)
     FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 endfunction()
 
+# hgros_readme_scripts(suite language extension word...): a test of the page's programs, which the command runs as they are.
+function(hgros_readme_scripts SUITE LANGUAGE EXTENSION)
+  set(sources)
+  foreach(program IN ITEMS publisher subscriber)
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${program}.${EXTENSION})
+    hgros_readme_source(${LANGUAGE} ${program} ${source})
+    list(APPEND sources ${source})
+    hgros_program(${CMAKE_CURRENT_BINARY_DIR}/${program} ${ARGN} ${source})
+  endforeach()
+  add_custom_target(hgros_${LANGUAGE}_readme ALL DEPENDS ${sources})
+  hgros_readme_test(${SUITE} ${CMAKE_CURRENT_BINARY_DIR}/publisher ${CMAKE_CURRENT_BINARY_DIR}/subscriber)
+endfunction()
+
 # hgros_readme_test(suite publisher subscriber): runs the two programs of the page as their reader does.
 function(hgros_readme_test SUITE PUBLISHER SUBSCRIBER)
   add_test(NAME ${SUITE}.ReadmePublisherAndSubscriber

@@ -102,6 +102,11 @@ func TestCloseInsideACallbackEndsTheSession(t *testing.T) {
 		return err == nil && len(peers) == 0
 	})
 	here.Close() // Waits for the other one.
+	endsOutsideOfCallbacks(t, lines)
+}
+
+func endsOutsideOfCallbacks(t *testing.T, lines chan string) {
+	t.Helper()
 	for len(lines) > 0 {
 		if line := <-lines; strings.Contains(line, "destroyed inside") {
 			t.Fatal(line)
@@ -130,11 +135,7 @@ func TestLastUseInACallbackDoesNotEndTheSession(t *testing.T) {
 	waitUntil(t, "the session is closed", func() bool { return session.ID() == 0 })
 	close(goOn)
 	<-closed
-	for len(lines) > 0 {
-		if line := <-lines; strings.Contains(line, "destroyed inside") {
-			t.Fatal(line)
-		}
-	}
+	endsOutsideOfCallbacks(t, lines)
 }
 
 func TestSimulatedClockMovesTimersOfOtherSessions(t *testing.T) {

@@ -159,11 +159,6 @@ function LargeMessagesAreLentOrCopied(): void
     $loan->publish(PATIENCE);
     expectFailure(Status::Closed, 'Loan', static fn () => $loan->write('x'));
     expect($queue->take(PATIENCE)->data() === $bytes);
-    $clouds = $to->subscribe('clouds', PointCloud::class);
-    $sender = $from->advertise('clouds', PointCloud::class);
-    $from->waitForSubscribers('clouds', 1, PATIENCE);
-    $sender->publish(new PointCloud(['data' => $bytes]));
-    expect($clouds->take(PATIENCE)->getData() === $bytes);
 }
 
 function MemoryStaysBoundedOverManyMessages(): void

@@ -332,26 +332,20 @@ final class QueuesTest {
     }
   }
 
-  /** A thread that publishes until the session is closed. */
-  private static Thread publishing(Session session, String channel) {
-    Publisher<StringValue> publisher = session.advertise(channel, Expect.TEXT);
-    StringValue large = text("x".repeat(100_000)); // Leases on shared memory.
-    Thread thread = new Thread(() -> {
-      try {
-        while (true) {
-          publisher.publish(large, Expect.PATIENCE);
-        }
-      } catch (HgrosException | InterruptedException e) {
-        // The session is closed.
-      }
-    });
-    thread.start();
-    return thread;
-  }
-
   public static void whatCallbacksReadIsThereWhileOthersClose() throws Exception {
     try (Session from = Expect.session("from")) {
-      Thread publishing = publishing(from, "words");
+      Publisher<StringValue> publisher = from.advertise("words", Expect.TEXT);
+      StringValue large = text("x".repeat(100_000)); // Leases on shared memory.
+      Thread publishing = new Thread(() -> {
+        try {
+          while (true) {
+            publisher.publish(large, Expect.PATIENCE);
+          }
+        } catch (HgrosException | InterruptedException e) {
+          // The session is closed.
+        }
+      });
+      publishing.start();
       AtomicInteger wrong = new AtomicInteger();
       for (int round = 0; round < 40; round++) {
         Session to = Expect.session("to");

@@ -7,6 +7,7 @@ import java.util.concurrent.ArrayBlockingQueue;
 import java.util.concurrent.BlockingQueue;
 import java.util.concurrent.LinkedBlockingQueue;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicBoolean;
 import org.hgros.Code;
 import org.hgros.Encoding;
 import org.hgros.LogLevel;
@@ -85,19 +86,15 @@ final class SessionTest {
   public static void sessionsThatAreForgottenAreClosed() throws Exception {
     try (Session here = Expect.session("here")) {
       Expect.session("forgotten").advertise("words", Expect.TEXT);
-      Expect.eventually("the other session is seen and goes", new java.util.concurrent.Callable<>() {
-        private boolean seen;
-
-        @Override
-        public Boolean call() {
-          boolean there = !here.peers().isEmpty() || here.channels().stream().anyMatch(
-              channel -> channel.name().equals("words") && channel.publishers() == 1);
-          seen |= there;
-          if (seen) {
-            System.gc();
-          }
-          return seen && !there;
+      AtomicBoolean seen = new AtomicBoolean();
+      Expect.eventually("the other session is seen and goes", () -> {
+        boolean there = !here.peers().isEmpty() || here.channels().stream().anyMatch(
+            channel -> channel.name().equals("words") && channel.publishers() == 1);
+        seen.compareAndSet(false, there);
+        if (seen.get()) {
+          System.gc();
         }
+        return seen.get() && !there;
       });
     }
   }
