@@ -279,14 +279,6 @@ class Time(RobotTest):
         with self.beside(lambda: list(robot.rate(1000))):
             pass
 
-    def test_clock_of_the_session_is_the_systems(self):
-        import time
-
-        robot = self.session()
-        before = time.time_ns()
-        now = robot.now_ns
-        self.assertTrue(before - 10**9 <= now <= time.time_ns() + 10**9)
-
     def test_simulated_time_moves_timers(self):
         from hgros.SimulatedTime_pb2 import SimulatedTime
 

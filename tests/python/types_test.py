@@ -119,11 +119,6 @@ class Types(RobotTest):
         update.entities.add().arrows.add().pose.CopyFrom(Pose())
         self.assertEqual(len(update.entities), 1)
 
-    def test_library_can_be_loaded_after_other_modules_in_cpp(self):
-        process = self.python("from google.protobuf import descriptor\nimport hgros\nprint('loaded')\n")
-        out, err, code = self.finish(process)
-        self.assertEqual((out, code), ("loaded\n", 0), err)
-
     def test_schemas_work_when_the_library_is_loaded_last(self):
         process = self.python(
             "import sys, types, importlib.util, pathlib\n"
