@@ -39,7 +39,7 @@ fn memory_does_not_grow_over_100000_messages() {
 }
 
 #[test]
-fn every_message_gives_its_lease_back() {
+fn every_message_gives_its_lease_back_also_after_its_queue_and_its_session() {
     let session = session("lease-count");
     let (publisher, queue) = pair(&session, &session, "words", Queue::KeepAll(10));
     let before = hgros::leases();
@@ -47,8 +47,11 @@ fn every_message_gives_its_lease_back() {
     publisher.publish(&log_of("y")).unwrap();
     let first = queue.take(PATIENCE).unwrap();
     let copy = first.clone();
+    assert_eq!(first.as_ptr(), copy.as_ptr());
     drop(queue.recv().unwrap());
     assert_eq!(hgros::leases(), before + 2);
-    drop((first, copy));
-    assert_eq!(hgros::leases(), before);
+    drop((first, queue, publisher, session));
+    assert_eq!(hgros::leases(), before + 1);
+    let text = std::thread::spawn(move || copy.decode::<Log>().unwrap().message).join().unwrap();
+    assert_eq!((text.as_str(), hgros::leases()), ("x", before));
 }

@@ -26,6 +26,11 @@ fn parameters_are_declared_set_and_watched() {
     assert_eq!(params.get::<Vec<f64>>("gains").unwrap(), [1.0, 2.5]);
     assert!(params.get::<bool>("on").unwrap());
     assert_eq!(params.yaml("gains").unwrap(), "[1.0, 2.5]");
+    let error = params.declare("x", f64::NAN, &none).unwrap_err();
+    assert_eq!(error.status(), Status::InvalidArgument);
+    assert_eq!(error.sentence(), "A parameter must be finite, but is NaN.");
+    let infinite = vec![1.0, f64::INFINITY];
+    assert_eq!(status_of(params.declare("y", infinite, &none)), Status::InvalidArgument);
 
     let (sender, changes) = sync_channel(10);
     let watch = params
@@ -49,18 +54,6 @@ fn parameters_are_declared_set_and_watched() {
     assert_eq!(changes.iter().count(), 1); // The sender is gone.
     drop(session);
     assert_eq!(status_of(params.get::<bool>("on")), Status::Closed);
-}
-
-#[test]
-fn numbers_that_are_not_finite_are_refused_as_such() {
-    let session = session("params-finite");
-    let params = session.params(&[]).unwrap();
-    let none = ParamInfo::default();
-    let error = params.declare("x", f64::NAN, &none).unwrap_err();
-    assert_eq!(error.status(), Status::InvalidArgument);
-    assert_eq!(error.sentence(), "A parameter must be finite, but is NaN.");
-    let infinite = vec![1.0, f64::INFINITY];
-    assert_eq!(status_of(params.declare("y", infinite, &none)), Status::InvalidArgument);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use hgros::Transform;
 use std::time::SystemTime;
 
 #[test]
-fn transforms_are_found_by_name() {
+fn transforms_are_found_by_name_and_waited_for() {
     let (robot, tool) = (session("transforms"), session("transforms"));
     let (sent, seen) = (robot.transforms().unwrap(), tool.transforms().unwrap());
     assert_eq!(status_of(robot.transforms().map(drop)), Status::Failed);
@@ -25,15 +25,9 @@ fn transforms_are_found_by_name() {
     let late = seen.wait("map", "moon", 0, BRIEFLY).unwrap_err();
     assert_eq!(late.status(), Status::TimedOut);
     assert!(late.sentence().contains("moon"), "{late}");
-}
-
-#[test]
-fn a_wait_for_a_transform_is_woken() {
-    let session = session("transforms-end");
-    let transforms = session.transforms().unwrap();
     std::thread::scope(|scope| {
-        let waits = scope.spawn(|| transforms.wait("map", "moon", 0, Duration::MAX));
-        session.end();
+        let waits = scope.spawn(|| seen.wait("map", "moon", 0, Duration::MAX));
+        tool.end();
         assert_eq!(status_of(waits.join().unwrap()), Status::Closed);
     });
 }
