@@ -1,5 +1,6 @@
 using System;
 using System.Collections.Generic;
+using System.Diagnostics;
 using System.IO;
 using System.Linq;
 using Hgros;
@@ -9,11 +10,27 @@ using static Test;
 public static class DynamicMessageTest {
   private static readonly string Folder = Environment.GetEnvironmentVariable("TEST_PROTOS");
 
+  // What a program prints, which must succeed. Its path is in the environment.
+  private static byte[] RunTool(string variable, string arguments, byte[] input = null) {
+    using (Process process = Process.Start(new ProcessStartInfo {
+      FileName = Environment.GetEnvironmentVariable(variable), Arguments = arguments, UseShellExecute = false,
+      RedirectStandardInput = true, RedirectStandardOutput = true
+    })) {
+      process.StandardInput.BaseStream.Write(input ?? new byte[0], 0, input?.Length ?? 0);
+      process.StandardInput.Close();
+      var output = new MemoryStream();
+      process.StandardOutput.BaseStream.CopyTo(output);
+      process.WaitForExit();
+      Equal(0, process.ExitCode);
+      return output.ToArray();
+    }
+  }
+
   private static DynamicType TypeOf(string file, string name) => new DynamicType(Schema.Protobuf(name,
-    Tool.Run("PROTOC", "-I " + Folder + " --include_imports --descriptor_set_out=/dev/stdout " + file)));
+    RunTool("PROTOC", "-I " + Folder + " --include_imports --descriptor_set_out=/dev/stdout " + file)));
 
   private static byte[] Encode(string file, string name, string text) =>
-    Tool.Run("PROTOC", "-I " + Folder + " --encode=" + name + " " + file, System.Text.Encoding.UTF8.GetBytes(text));
+    RunTool("PROTOC", "-I " + Folder + " --encode=" + name + " " + file, System.Text.Encoding.UTF8.GetBytes(text));
 
   // Through a channel, as a program does it.
   private static DynamicMessage Read(DynamicType type, byte[] bytes) {
@@ -81,7 +98,7 @@ public static class DynamicMessageTest {
     Equal("a_double: 1\na_string: \"\\303\\274\"\na_part {\n  kinds {\n    a_bool: true\n  }\n}\nsome_bytes: \"A\"\n" +
       "an_sint32: -3\ndoubles: 1\ndoubles: 2\ndoubles: 3.5\nstrings: \"a\"\nstrings: \"b\"\n" +
       "parts {\n  name: \"x\"\n}\n",
-      Tool.Text(Tool.Run("PROTOC", "-I " + Folder + " --decode=test.Kinds kinds.proto", Write(type, message))));
+      System.Text.Encoding.UTF8.GetString(RunTool("PROTOC", "-I " + Folder + " --decode=test.Kinds kinds.proto", Write(type, message))));
     message["a_part"] = null;
     Equal(null, message["a_part"]);
     Equal("", message.Make("a_part")["name"]);
@@ -169,7 +186,7 @@ public static class DynamicMessageTest {
 
   [Test]
   public static void GeneratedClassesJoinThroughTwoFunctions() {
-    byte[] file = OnlyFile(Tool.Run("PROTOC", "-I " + Folder + " --descriptor_set_out=/dev/stdout kinds.proto"));
+    byte[] file = OnlyFile(RunTool("PROTOC", "-I " + Folder + " --descriptor_set_out=/dev/stdout kinds.proto"));
     var type = new MessageType<Generated>(Schema.Protobuf("test.Kinds", new[] { file }),
       message => message.ToByteArray(), Generated.Parse.ParseFrom);
     Equal(TypeOf("kinds.proto", "test.Kinds").Schema.Fingerprint, type.Schema.Fingerprint);

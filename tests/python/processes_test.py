@@ -289,12 +289,12 @@ class Processes(RobotTest):
     def test_session_of_a_child_of_multiprocessing(self):
         folder = os.path.join(os.path.dirname(os.path.abspath(__file__)))
         process = self.python(f"import sys; sys.path.insert(0, {folder!r})\n"
-                              "import multiprocessing, hgros, in_child\n"
+                              "import multiprocessing, hgros, support\n"
                               "if __name__ == '__main__':\n"
                               "    robot = hgros.Session()\n"
                               "    messages = robot.messages('log', timeout=40)\n"
                               "    for method in ('fork', 'spawn'):\n"
-                              "        child = multiprocessing.get_context(method).Process(target=in_child.say_hello)\n"
+                              "        child = multiprocessing.get_context(method).Process(target=support.say_hello)\n"
                               "        child.start()\n"
                               "        print(next(messages).message)\n"
                               "        child.join()\n"

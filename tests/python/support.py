@@ -72,5 +72,15 @@ class RobotTest(unittest.TestCase):
         return out, err, process.returncode
 
 
+def say_hello():
+    """What a process of multiprocessing runs in a test."""
+    from foxglove.Log_pb2 import Log
+
+    with hgros.Session() as robot:
+        publisher = robot.advertise("log", Log)
+        assert robot.wait_for_subscribers("log", timeout=40)
+        publisher.publish(Log(message="hello from a child"))
+
+
 def main():
     unittest.main(verbosity=1)

@@ -4,11 +4,10 @@ mod abi_test;
 mod bounds_test;
 mod callbacks_test;
 mod messages_test;
-mod params_test;
+mod parts_test;
 mod queues_test;
 mod services_test;
 mod session_test;
-mod transforms_test;
 
 use hgros::{Error, PublishOptions, Publisher, Queue, Session, Status, Subscription};
 use hgros_messages::foxglove::Log;
