@@ -1,7 +1,6 @@
 //! The tests of the binding for Rust. CTest runs each in a process of its own.
 
 mod abi_test;
-mod bounds_test;
 mod callbacks_test;
 mod messages_test;
 mod parts_test;
