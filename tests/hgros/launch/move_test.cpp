@@ -2,18 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <future>
 #include <random>
 #include <regex>
 #include <string>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "hgros/command_run.hpp"
@@ -46,66 +44,55 @@ constexpr const char* kMoving =
     "  b: {restart: on-failure}\n"
     "  c: {components: [does], restart: on-failure}\n";
 
-class MovingRobot {
+class MovingRobot : public RunningRobot {
  public:
-  explicit MovingRobot(const std::string& text = kMoving)
-      : folder_(text), run_(folder_.Arguments(), folder_.environment()) {}
+  explicit MovingRobot(const std::string& text = kMoving) : RunningRobot(text) {}
 
-  [[nodiscard]] bool Runs() {
+  [[nodiscard]] bool Begins() {
     const auto runs = [this] {
-      const CommandEnd ps = Command({"ps"});
+      const CommandEnd ps = Ask({"ps"});
       return ps.status == 0 && ps.out.find("starting") == std::string::npos;
     };
-    return run_.Prints("judging") && test::Await(runs) && Ask();
+    return Prints("judging") && test::Await(runs) && Flows();
   }
-  [[nodiscard]] CommandEnd Move(const std::string& to) const {
-    return RunToEnd({"move", "passing", "--to", to}, folder_.environment());
-  }
-  [[nodiscard]] CommandEnd Command(const std::vector<std::string>& words) const {
-    return RunToEnd(words, folder_.environment());
+  [[nodiscard]] CommandEnd Move(const std::string& to, const std::string& component = "passing") const {
+    return Ask({"move", component, "--to", to});
   }
   // Where the component runs, of each process that has it.
   [[nodiscard]] std::vector<std::string> Places() const {
-    return Matches(RunToEnd({"ps"}, folder_.environment()).out, R"(passing +moving/Passing +(\w+) +\d+ +running)");
+    return Matches(Ask({"ps"}).out, R"(passing +moving/Passing +(\w+) +\d+ +running)");
   }
   [[nodiscard]] pid_t PidOf(const std::string& process) const {
-    const auto pids = Matches(RunToEnd({"ps"}, folder_.environment()).out, " " + process + R"( +(\d+) +)");
+    const auto pids = Matches(Ask({"ps"}).out, " " + process + R"( +(\d+) +)");
     return pids.empty() ? 0 : std::stoi(pids.front());
   }
-  // Asks how far the messages have come.
+  // How far the messages have come. Asks.
   [[nodiscard]] int Count() {
     const std::string question = std::to_string(++questions_);
-    EXPECT_EQ(RunToEnd(Patiently({"pub", "ask", "{value: " + question + "}"}), folder_.environment()).status, 0);
-    const std::string answer = "answers " + question + ": up to ";
-    std::string number;
+    EXPECT_EQ(Ask(Patiently({"pub", "ask", "{value: " + question + "}"})).status, 0);
+    std::vector<std::string> numbers;
     const auto answered = [&] {
-      const std::string out = run_.out();
-      const std::size_t at = out.find(answer);
-      const std::size_t end = at == std::string::npos ? at : out.find('.', at);
-      if (end == std::string::npos) return false;
-      number = out.substr(at + answer.size(), end - at - answer.size());
-      return true;
+      numbers = Matches(out(), "answers " + question + R"(: up to (-?\d+)\.)");
+      return !numbers.empty();
     };
-    return test::Await(answered) ? std::stoi(number) : -1;
+    return test::Await(answered) ? std::stoi(numbers.front()) : -1;
   }
   // Whether messages still come through.
-  [[nodiscard]] bool Ask() {
+  [[nodiscard]] bool Flows() {
     const int now = Count();
     return test::Await([&] { return Count() > now; });
   }
+  // Whether the state of the component has all messages that have come through.
+  [[nodiscard]] bool HasCountedAll() {
+    const int before = Count();
+    const CommandEnd count = Ask(Patiently({"call", "count", "{}"}));
+    EXPECT_EQ(count.status, 0) << count.err;
+    const std::vector<std::string> numbers = Matches(count.out, R"((\d+))");
+    return !numbers.empty() && std::stoi(numbers.front()) >= before;
+  }
   [[nodiscard]] std::vector<std::string> Faults(const std::string& component = "judging") const {
-    return Matches(run_.out(), component + R"( +warning: ((?:lost|again) \d.*))");
+    return Matches(out(), component + R"( +warning: ((?:lost|again) \d.*))");
   }
-  // Of its sessions, in the folder where they find each other.
-  [[nodiscard]] std::vector<std::string> FilesLeft() const { return folder_.FilesLeft(); }
-  [[nodiscard]] std::string out() const { return run_.out() + run_.err(); }
-  [[nodiscard]] bool Prints(const std::string& text) const { return run_.Prints(text); }
-  void End() {
-    run_.Signal(SIGINT);
-    EXPECT_EQ(run_.Wait(), 128 + SIGINT) << out();
-  }
-  [[nodiscard]] CommandRun& run() { return run_; }
-  [[nodiscard]] std::string domain() const { return folder_.environment().at("HGROS_DOMAIN"); }
 
  private:
   [[nodiscard]] static std::vector<std::string> Matches(const std::string& text, const std::string& pattern) {
@@ -114,45 +101,48 @@ class MovingRobot {
     for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at) found.push_back((*at)[1]);
     return found;
   }
-  RobotFolder folder_;
-  CommandRun run_;
+
   int questions_ = 0;
 };
 
-TEST(HgrosMove, LosesNothingAndRepeatsNothing) {
+TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
   MovingRobot robot;
-  ASSERT_TRUE(robot.Runs()) << robot.out();
-  for (const std::string to : {"b", "c", "ends", "b", "a", "a", "c"}) {
+  ASSERT_TRUE(robot.Begins()) << robot.out();
+  const pid_t process = robot.PidOf("a");
+  int before = robot.Count();
+  for (int times = 0; times < 8; ++times) {  // One right after the other, and while many messages come.
+    const CommandEnd end = robot.Ask({"restart", "passing"});
+    EXPECT_EQ(end.status, 0) << end.err << robot.out();
+    EXPECT_EQ(end.out + end.err, "");
+    if (times % 2 == 0) continue;
+    ASSERT_TRUE(test::Await([&] { return robot.Count() > before + 1000; }));
+    before = robot.Count();
+  }
+  EXPECT_EQ(robot.PidOf("a"), process);
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  for (const std::string to : {"b", "c", "b"}) {  // A restart waits for the end of the move.
+    EXPECT_EQ(robot.Move(to).status, 0) << robot.out();
+    const CommandEnd restart = robot.Ask({"restart", "passing"});
+    EXPECT_EQ(restart.status, 0) << restart.err;
+    EXPECT_EQ(robot.Places(), std::vector{to});
+  }
+  EXPECT_TRUE(robot.Flows());
+  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
+  EXPECT_TRUE(robot.HasCountedAll());
+  for (const std::string to : {"a", "c", "ends", "b", "a", "a", "c"}) {
     const CommandEnd end = test::Await([&] { return robot.Places().size() == 1; }) ? robot.Move(to) : CommandEnd{};
     if (end.status != 0 && end.err.find("at this moment") != std::string::npos) continue;
     EXPECT_EQ(end.status, 0) << end.err << robot.out();
     EXPECT_EQ(end.out + end.err, "");
     EXPECT_EQ(robot.Places(), std::vector{to});
   }
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_TRUE(robot.Flows());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  const int before = robot.Count();
-  const CommandEnd count = robot.Command(Patiently({"call", "count", "{}"}));
-  EXPECT_EQ(count.status, 0) << count.err;
-  const std::size_t number = count.out.find_first_of("0123456789");
-  ASSERT_NE(number, std::string::npos) << count.out;
-  EXPECT_GE(std::stoi(count.out.substr(number)), before) << "Its state went along: it has counted all of them.";
+  EXPECT_TRUE(robot.HasCountedAll()) << "Its state went along.";
   robot.End();
-  EXPECT_THAT(robot.out(), AllOf(HasSubstr("It has moved here from \"a\". No message of it was handled for"),
-                                 Not(HasSubstr("error"))));
-}
-
-TEST(HgrosMove, ARestartWaitsForTheEndOfTheMove) {
-  MovingRobot robot;
-  ASSERT_TRUE(robot.Runs()) << robot.out();
-  for (const std::string to : {"b", "c", "b"}) {
-    EXPECT_EQ(robot.Move(to).status, 0) << robot.out();
-    const CommandEnd restart = robot.Command({"restart", "passing"});
-    EXPECT_EQ(restart.status, 0) << restart.err;
-    EXPECT_EQ(robot.Places(), std::vector{to});
-  }
-  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  robot.End();
+  EXPECT_THAT(
+      robot.out() + robot.err(),
+      AllOf(HasSubstr("It has moved here from \"a\". No message of it was handled for"), Not(HasSubstr("error"))));
 }
 
 // What the old place has published comes before what the new one does.
@@ -166,25 +156,24 @@ TEST(HgrosMove, WaitsForALosslessSubscriberThatStandsStill) {
       "  takes: {components: [judging]}\n"
       "  a: {components: [passing]}\n"
       "  b: {}\n");
-  ASSERT_TRUE(robot.Runs()) << robot.out();
+  ASSERT_TRUE(robot.Begins()) << robot.out();
   const pid_t takes = robot.PidOf("takes");
   for (const std::string to : {"b", "a"}) EXPECT_EQ(robot.Move(to).status, 0) << "Both places are connected then.";
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_TRUE(robot.Flows());
   ASSERT_EQ(kill(takes, SIGSTOP), 0);
   auto moves = std::async(std::launch::async, [&] { return robot.Move("b"); });
   test::Linger(std::chrono::milliseconds(600));
   ASSERT_EQ(kill(takes, SIGCONT), 0);
   EXPECT_EQ(moves.get().status, 0) << robot.out();
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_TRUE(robot.Flows());
   ASSERT_EQ(kill(takes, SIGSTOP), 0);
   const CommandEnd refused = robot.Move("a");
   ASSERT_EQ(kill(takes, SIGCONT), 0);
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("its subscribers let messages wait"));
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_TRUE(robot.Flows());
   EXPECT_EQ(robot.Places(), std::vector<std::string>{"b"});
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  robot.End();
 }
 
 TEST(HgrosMove, ASubscriberWhoseProcessHasEndedHoldsNothingUp) {
@@ -192,13 +181,12 @@ TEST(HgrosMove, ASubscriberWhoseProcessHasEndedHoldsNothingUp) {
   text.replace(text.find("  does:"), 0, "  other: {type: moving/Judging, remap: {ask: ask_other}}\n");
   text.replace(text.find("[witness]"), 9, "[witness, other]");
   MovingRobot robot(text);
-  ASSERT_TRUE(robot.Runs()) << robot.out();
+  ASSERT_TRUE(robot.Begins()) << robot.out();
   ASSERT_EQ(kill(robot.PidOf("beside"), SIGKILL), 0);
   ASSERT_TRUE(robot.Prints("it was ended by SIGKILL")) << robot.out();
   const CommandEnd moved = robot.Move("b");
   EXPECT_EQ(moved.status, 0) << moved.err;
-  EXPECT_TRUE(robot.Ask()) << robot.out();
-  robot.End();
+  EXPECT_TRUE(robot.Flows()) << robot.out();
 }
 
 // A session stays a publisher when its component has left, so the old place counts the new one.
@@ -214,47 +202,14 @@ TEST(HgrosMove, AComponentFollowsItsPublisherToAPlaceWhichThatHasLeft) {
       "  a: {components: [first]}\n"
       "  b: {components: [passing]}\n"
       "  c: {}\n");
-  ASSERT_TRUE(robot.Runs()) << robot.out();
-  for (const std::string to : {"c", "a"}) {
-    const CommandEnd end = robot.Command({"move", "first", "--to", to});
+  ASSERT_TRUE(robot.Begins()) << robot.out();
+  for (const auto& [component, to] : std::vector<std::pair<std::string, std::string>>{
+           {"first", "c"}, {"first", "a"}, {"passing", "c"}, {"passing", "a"}, {"passing", "b"}}) {
+    const CommandEnd end = robot.Move(to, component);
     EXPECT_EQ(end.status, 0) << end.err << robot.out();
   }
-  for (const std::string to : {"c", "a", "b"}) {
-    const CommandEnd end = robot.Move(to);
-    EXPECT_EQ(end.status, 0) << end.err << robot.out();
-  }
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_TRUE(robot.Flows());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  robot.End();
-}
-
-TEST(HgrosRestart, OfAComponentLosesNothingAndRepeatsNothing) {
-  MovingRobot robot;
-  ASSERT_TRUE(robot.Runs()) << robot.out();
-  const pid_t process = robot.PidOf("a");
-  int before = robot.Count();
-  for (int times = 0; times < 8; ++times) {  // One right after the other, and while many messages come.
-    const CommandEnd end = robot.Command({"restart", "passing"});
-    EXPECT_EQ(end.status, 0) << end.err << robot.out();
-    EXPECT_EQ(end.out + end.err, "");
-    if (times % 2 == 0) continue;
-    ASSERT_TRUE(test::Await([&] { return robot.Count() > before + 1000; }));
-    before = robot.Count();
-  }
-  EXPECT_EQ(robot.PidOf("a"), process);
-  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  EXPECT_EQ(robot.Move("b").status, 0) << "What has been constructed again can move.";
-  EXPECT_EQ(robot.Command({"restart", "passing"}).status, 0);
-  EXPECT_TRUE(robot.Ask());
-  EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  before = robot.Count();
-  const CommandEnd count = robot.Command(Patiently({"call", "count", "{}"}));
-  EXPECT_EQ(count.status, 0) << count.err;
-  const std::size_t number = count.out.find_first_of("0123456789");
-  ASSERT_NE(number, std::string::npos) << count.out;
-  EXPECT_GE(std::stoi(count.out.substr(number)), before) << "It has counted all of them.";
-  robot.End();
-  EXPECT_THAT(robot.out(), Not(HasSubstr("error")));
 }
 
 TEST(HgrosMove, APublisherFollowsItsSlowSubscriberWithoutOvertakingWhatWaits) {
@@ -267,18 +222,17 @@ TEST(HgrosMove, APublisherFollowsItsSlowSubscriberWithoutOvertakingWhatWaits) {
       "  ends: {components: [judging]}\n"
       "  a: {components: [source, slow]}\n"
       "  b: {}\n");
-  ASSERT_TRUE(robot.Runs()) << robot.out();
+  ASSERT_TRUE(robot.Begins()) << robot.out();
   ASSERT_TRUE(robot.Prints("has 50.")) << robot.out();  // Its queue is full.
   for (const std::string to : {"b", "a", "b"}) {
     for (const std::string component : {"slow", "source"}) {
-      const CommandEnd end = robot.Command({"move", component, "--to", to});
+      const CommandEnd end = robot.Move(to, component);
       EXPECT_EQ(end.status, 0) << end.err << robot.out();
     }
   }
   const int now = robot.Count();
   EXPECT_TRUE(test::Await([&] { return robot.Count() > now + 100; }));
   EXPECT_THAT(robot.out(), Not(HasSubstr("warning: got "))) << robot.out();
-  robot.End();
 }
 
 TEST(HgrosMove, StaysIfNothingLeadsFromItsPublisherToTheNewPlace) {
@@ -291,19 +245,18 @@ TEST(HgrosMove, StaysIfNothingLeadsFromItsPublisherToTheNewPlace) {
       "processes:\n"
       "  a: {components: [source, slow, judging]}\n"
       "  b: {}\n");
-  ASSERT_TRUE(robot.Runs()) << robot.out();
-  const CommandEnd end = robot.Command({"move", "slow", "--to", "b"});
+  ASSERT_TRUE(robot.Begins()) << robot.out();
+  const CommandEnd end = robot.Move("b", "slow");
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.err, HasSubstr("Not all publishers of the channel \"number\" were connected after 10 s."));
-  EXPECT_THAT(robot.Command({"ps"}).out, testing::ContainsRegex("slow +moving/Slow +a "));
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("slow +moving/Slow +a "));
+  EXPECT_TRUE(robot.Flows());
   EXPECT_THAT(robot.out(), Not(HasSubstr("warning: got "))) << robot.out();
-  robot.End();
 }
 
 TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
   MovingRobot robot;
-  ASSERT_TRUE(robot.Runs()) << robot.out();
+  ASSERT_TRUE(robot.Begins()) << robot.out();
   RobotForCommands desk("desk", robot.domain());
   RemoteParams params(desk.session(), "passing");
   std::mt19937 random(11);
@@ -313,7 +266,7 @@ TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
     const bool moves = round % 2 == 0;
     const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(random() % 80'000);
     auto done = std::async(std::launch::async, [&] {
-      return moves ? robot.Move(to) : robot.Command({"restart", "passing"});
+      return moves ? robot.Move(to) : robot.Ask({"restart", "passing"});
     });
     std::vector<int> possible{last};  // One that fails may have been set, or not.
     do {
@@ -327,14 +280,13 @@ TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
     EXPECT_THAT(possible, testing::Contains(*value)) << "round " << round << (moves ? ", moved to " + to : "");
     last = std::max(last, *value);
   }
-  robot.End();
 }
 
-TEST(HgrosMove, SaysWhyItCannot) {
+TEST(HgrosMove, StaysAndSaysWhyItCannot) {
   MovingRobot robot(std::string(kMoving) + "programs: {program: {command: [sleep, 100d]}}\n");
-  ASSERT_TRUE(robot.Runs());
+  ASSERT_TRUE(robot.Begins());
   const auto fault = [&](const std::vector<std::string>& words) {
-    const CommandEnd end = robot.Command(words);
+    const CommandEnd end = robot.Ask(words);
     EXPECT_NE(end.status, 0);
     return end.err;
   };
@@ -349,26 +301,18 @@ TEST(HgrosMove, SaysWhyItCannot) {
   EXPECT_THAT(fault({"move", "does", "--to", "a"}),
               AllOf(HasSubstr("\"does\" was not moved to \"a\". It runs on in \"c\"."),
                     HasSubstr("Give it Save() and Restore().")));
-  EXPECT_THAT(robot.Faults(), IsEmpty());
-  robot.End();
-}
-
-TEST(HgrosMove, AComponentThatCannotBeginInTheNewPlaceStays) {
-  MovingRobot robot;
-  ASSERT_TRUE(robot.Runs());
-  ASSERT_EQ(robot.Command(Patiently({"param", "set", "passing", "activate", "false"})).status, 0);
+  ASSERT_EQ(robot.Ask(Patiently({"param", "set", "passing", "activate", "false"})).status, 0);
   const CommandEnd end = robot.Move("b");
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.err,
               HasSubstr("It runs on in \"a\". Component \"passing\" (moving/Passing): it does not want to be here"));
   EXPECT_EQ(robot.Places(), std::vector<std::string>{"a"});
-  EXPECT_TRUE(robot.Ask()) << robot.out();
+  EXPECT_TRUE(robot.Flows()) << robot.out();
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  ASSERT_EQ(robot.Command(Patiently({"param", "set", "passing", "activate", "true"})).status, 0);
+  ASSERT_EQ(robot.Ask(Patiently({"param", "set", "passing", "activate", "true"})).status, 0);
   EXPECT_EQ(robot.Move("b").status, 0);
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_TRUE(robot.Flows());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  robot.End();
 }
 
 // A process that is killed or stopped during a move.
@@ -384,7 +328,7 @@ void MoveWith(MovingRobot& robot, const std::string& from, const std::string& to
   const pid_t victim = robot.PidOf(fault.old ? from : to);
   ASSERT_GT(victim, 0);
   const std::size_t faults = robot.Faults().size();
-  const std::size_t said = robot.run().out().size();
+  const std::size_t said = robot.out().size();
   auto moved = std::async(std::launch::async, [&] { return robot.Move(to); });
   test::Linger(fault.after);
   ASSERT_EQ(kill(victim, fault.kills ? SIGKILL : SIGSTOP), 0);
@@ -404,13 +348,12 @@ void MoveWith(MovingRobot& robot, const std::string& from, const std::string& to
   if (end.status != 0) {
     EXPECT_THAT(end.err, HasSubstr("\"" + (at.empty() ? "" : at[0]) + "\"")) << "It says where it runs.";
   }
-  EXPECT_TRUE(robot.Ask());
+  EXPECT_TRUE(robot.Flows());
   if (!fault.kills) {
     EXPECT_EQ(robot.Faults().size(), faults) << "Nobody has died.";
   }
   if (robot.Faults().size() > faults) {
-    EXPECT_THAT(robot.run().out().substr(said), HasSubstr("messages of the lossless channel"))
-        << "It is counted, and said.";
+    EXPECT_THAT(robot.out().substr(said), HasSubstr("messages of the lossless channel")) << "It is counted, and said.";
   }
   EXPECT_THAT(robot.Faults("witness"), IsEmpty()) << "Neither end has died.";
 }
@@ -424,7 +367,7 @@ TEST(HgrosMove, WhoeverIsKilledOrStoppedOnePlaceRunsIt) {
   int left = wanted == nullptr ? kRoundsOfARobot : std::stoi(wanted);
   while (left > 0 && !testing::Test::HasFailure()) {
     MovingRobot robot;
-    ASSERT_TRUE(robot.Runs()) << robot.out();
+    ASSERT_TRUE(robot.Begins()) << robot.out();
     for (int round = 0; round < kRoundsOfARobot && !testing::Test::HasFailure(); ++round, --left) {
       const std::vector<std::string> at = robot.Places();
       ASSERT_EQ(at.size(), 1U) << robot.out();
@@ -436,7 +379,7 @@ TEST(HgrosMove, WhoeverIsKilledOrStoppedOnePlaceRunsIt) {
                    " after " + std::to_string(fault.after.count()) + " us");
       MoveWith(robot, at[0], to, fault);
     }
-    const std::string pids = robot.Command({"ps"}).out;
+    const std::string pids = robot.Ask({"ps"}).out;
     robot.End();
     const std::regex pid(R"( (\d{2,}) +running)");
     for (std::sregex_iterator at(pids.begin(), pids.end(), pid), end; at != end; ++at) {

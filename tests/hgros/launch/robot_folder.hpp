@@ -1,9 +1,12 @@
 #pragma once
 
-#include <stdlib.h>
+#include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -15,7 +18,10 @@
 #include <vector>
 
 #include "hgros/command_run.hpp"
+#include "hgros/transport/curve_key_pair.hpp"
+#include "support/await.hpp"
 #include "support/path.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 
@@ -24,29 +30,24 @@ class RobotFolder {
  public:
   explicit RobotFolder(const std::string& text, std::string manifests = test::Path("words_manifests"))
       : manifests_(std::move(manifests)) {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_run_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    std::ofstream(file()) << text;
+    Write("robot.yaml", text);
   }
-  ~RobotFolder() { std::filesystem::remove_all(folder_); }
-  RobotFolder(const RobotFolder&) = delete;
-  RobotFolder& operator=(const RobotFolder&) = delete;
 
-  [[nodiscard]] std::string file() const { return folder_ / "robot.yaml"; }
+  [[nodiscard]] std::string file() const { return path("robot.yaml"); }
   [[nodiscard]] std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] std::string domain() const { return folder_.path().filename(); }
   [[nodiscard]] std::map<std::string, std::string> environment() const {
-    return {{"HGROS_COMPONENT_PATH", manifests_},
-            {"HGROS_DOMAIN", folder_.filename().string()},
-            {"FOLDER", folder_.string()}};
+    return {{"HGROS_COMPONENT_PATH", manifests_}, {"HGROS_DOMAIN", domain()}, {"FOLDER", folder_.path()}};
   }
+  std::string Write(const std::string& name, const std::string& text) const { return folder_.Write(name, text); }
+  [[nodiscard]] std::string Read(const std::string& name) const { return folder_.Read(name); }
   [[nodiscard]] std::vector<std::string> Arguments(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> arguments{"run", file()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
-  [[nodiscard]] CommandEnd Run(const std::vector<std::string>& more = {}) const {
-    return RunToEnd(Arguments(more), environment());
-  }
+  [[nodiscard]] CommandEnd Run(const std::vector<std::string>& more = {}) const { return Ask(Arguments(more)); }
+  [[nodiscard]] CommandEnd Ask(const std::vector<std::string>& words) const { return RunToEnd(words, environment()); }
   /// What sessions of its domain have left where sessions find each other.
   [[nodiscard]] std::vector<std::string> FilesLeft() const {
     const std::string user = std::to_string(geteuid());
@@ -56,7 +57,7 @@ class RobotFolder {
     std::vector<std::string> left;
     for (const std::string& place : places) {
       std::error_code none;
-      for (const auto& file : std::filesystem::directory_iterator(place + "/" + folder_.filename().string(), none)) {
+      for (const auto& file : std::filesystem::directory_iterator(place + "/" + domain(), none)) {
         left.push_back(file.path());
       }
     }
@@ -65,7 +66,65 @@ class RobotFolder {
 
  private:
   const std::string manifests_;  // The folder of the components.
-  std::filesystem::path folder_;
+  const test::ScratchFolder folder_;
+};
+
+/// How often a text has the other one.
+inline std::size_t Times(const std::string& text, const std::string& part) {
+  std::size_t times = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++times;
+  return times;
+}
+
+/// A robot that `hgros run` runs. It is ended by SIGINT with this object, unless it has ended before.
+class RunningRobot : public RobotFolder, public CommandRun {
+ public:
+  explicit RunningRobot(const std::string& text) : RobotFolder(text), CommandRun(Arguments(), environment()) {}
+  ~RunningRobot() {
+    if (!waited_) End();
+  }
+
+  /// Waits until the output contains `text` as often.
+  [[nodiscard]] bool Prints(const std::string& text, std::size_t times = 1) const {
+    return test::Await([&] { return Times(out(), text) >= times; });
+  }
+  int Wait() {
+    waited_ = true;
+    return CommandRun::Wait();
+  }
+  void End(int signal = SIGINT) {
+    Signal(signal);
+    EXPECT_EQ(Wait(), 128 + signal) << out() << err();
+  }
+
+ private:
+  bool waited_ = false;
+};
+
+/// Two hosts with keys: "desk", where the robot is at home, and "base".
+class RobotWithKeys : public RobotFolder {
+ public:
+  RobotWithKeys() : RobotWithKeys(GenerateCurveKeyPair(), GenerateCurveKeyPair()) {}
+  /// Before, its host cannot read it.
+  void WriteKey(const std::string& host) const {
+    Write(host + ".key", host == "desk" ? desk_ : base_);
+    std::filesystem::permissions(path(host + ".key"), std::filesystem::perms::owner_read);
+  }
+
+ private:
+  RobotWithKeys(const CurveKeyPair& desk, const CurveKeyPair& base)
+      : RobotFolder("hosts:\n  desk: {address: 10.198.0.1, home: true, key: \"" + desk.public_key +
+                    "\", secret_key_file: \"${FOLDER}/desk.key\"}\n  base: {address: 10.198.0.2, key: \"" +
+                    base.public_key +
+                    "\", secret_key_file: \"${FOLDER}/base.key\"}\n"
+                    "discovery: {local: false}\n"
+                    "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
+                    "processes: {p: {components: [numbers], host: base}}\n"),
+        desk_(desk.secret_key),
+        base_(base.secret_key) {}
+
+  const std::string desk_;
+  const std::string base_;
 };
 
 /// Whether the process still runs; one that waits for its parent does not.

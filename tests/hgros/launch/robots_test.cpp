@@ -13,7 +13,6 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
-#include <list>
 #include <memory>
 #include <regex>
 #include <string>
@@ -39,23 +38,18 @@ constexpr const char* kTwo =
     "programs: {sleeps: {command: [sleep, 100]}}\n";
 
 // A robot that was started in the background. Ends it.
-class DetachedRobot {
+class DetachedRobot : public RobotFolder {
  public:
-  explicit DetachedRobot(const std::string& text) : folder_(text) {
-    const CommandEnd end = folder_.Run({"--detach"});
+  explicit DetachedRobot(const std::string& text) : RobotFolder(text) {
+    const CommandEnd end = Run({"--detach"});
     EXPECT_EQ(end.status, 0) << end.out << end.err;
     started_ = end.out;
   }
   ~DetachedRobot() { (void)Ask({"stop"}); }
 
-  [[nodiscard]] CommandEnd Ask(const std::vector<std::string>& words) const {
-    return RunToEnd(words, folder_.environment());
-  }
   [[nodiscard]] const std::string& started() const noexcept { return started_; }
-  [[nodiscard]] const RobotFolder& folder() const noexcept { return folder_; }
 
  private:
-  RobotFolder folder_;
   std::string started_;
 };
 
@@ -76,7 +70,7 @@ TEST(HgrosRobots, PsTellsHowAProcessHasEnded) {
   EXPECT_TRUE(shows("\"component\":\"b", "running"));
 }
 
-TEST(HgrosRobots, ADetachedRobotIsListedAndStopped) {
+TEST(HgrosRobots, ADetachedRobotIsListedAndStoppedAlsoBesideAnother) {
   const DetachedRobot robot(kTwo);
   EXPECT_THAT(robot.started(), HasSubstr("COMPONENT"));
   const std::vector<pid_t> pids = PidsIn(robot.started());
@@ -92,6 +86,14 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStopped) {
                     ContainsRegex("robot +sleep 100 +sleeps +[0-9]+  running")));
   EXPECT_THAT(robot.Ask({"ps", "--json"}).out,
               HasSubstr("\"robot\":\"robot\",\"component\":\"a\",\"type\":\"relay/Does\""));
+  const CommandEnd second = robot.Run();
+  EXPECT_EQ(second.status, 1);
+  EXPECT_THAT(second.err, HasSubstr("A robot \"robot\" is running already. End it with `hgros stop robot`"));
+  EXPECT_EQ(robot.Run({"--detach", "--name", "other"}).status, 0);
+  EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("Several robots run: other, robot. Name one"));
+  EXPECT_THAT(robot.Ask({"stop", "othr"}).err, HasSubstr("Did you mean \"other\"?"));
+  EXPECT_EQ(robot.Ask({"stop", "other"}).status, 0);
+  EXPECT_THAT(robot.Run({"--name", "a/b"}).err, HasSubstr("cannot be the name of a robot"));
   EXPECT_EQ(robot.Ask({"stop"}).status, 0);
   for (const pid_t pid : pids) EXPECT_FALSE(Runs(pid));
   EXPECT_EQ(robot.Ask({"ps"}).out, "");
@@ -108,14 +110,20 @@ TEST(HgrosRobots, ADetachedRobotRunsWhenItsCommandReturns) {
   EXPECT_THAT(robot.Ask({"ps"}).out, ContainsRegex("robot  a +relay/Does +main +[0-9]+  running"));
 }
 
-TEST(HgrosRobots, ShowsAndFollowsTheLog) {
+TEST(HgrosRobots, ShowsAndFollowsTheLogWhichMayHaveAnyBytes) {
   const DetachedRobot robot(
-      "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
-      "programs: {says: {command: [sh, -c, 'echo one; sleep 0.3; echo two; sleep 100']}}\n");
-  CommandRun follows({"logs", "-f"}, robot.folder().environment());
-  for (const char* line : {"one", "two", "a             I run.", "b             I run."}) {
+      "components: {a: {type: relay/Does, params: {what: log bytes}}, b: {type: relay/Does}}\n"
+      "programs: {says: {command: [sh, -c, 'echo one; sleep 0.3; printf \"a\\377b\\000c\\n\"; echo two; sleep "
+      "100']}}\n");
+  CommandRun follows({"logs", "-f"}, robot.environment());
+  for (const char* line : {"one", "two", "a             I run.", "b             I run.", "after it"}) {
     EXPECT_TRUE(follows.Prints(line)) << follows.out();
   }
+  const CommandEnd logs = robot.Ask({"logs"});
+  EXPECT_EQ(logs.status, 0);
+  EXPECT_EQ(logs.err, "");
+  EXPECT_THAT(logs.out, AllOf(HasSubstr("a\\xffb\\x00c"), HasSubstr("\\xfe\\xff is no text")));
+  EXPECT_THAT(robot.Ask({"logs", "--json"}).out, HasSubstr("a\\uFFFDb\\u0000c"));
   EXPECT_THAT(robot.Ask({"logs", "a"}).out, AllOf(HasSubstr("I run."), Not(HasSubstr("one"))));
   EXPECT_THAT(robot.Ask({"logs", "says", "--json"}).out, HasSubstr("\"process\":\"says\""));
   EXPECT_THAT(robot.Ask({"logs", "nothing"}).err, HasSubstr("no component, process or program \"nothing\""));
@@ -146,15 +154,13 @@ TEST(HgrosRobots, RestartsNothingWhileTheRobotStarts) {
       "processes: {p: {components: [a]}, q: {components: [b], env: {RELAY_DOOR: \"${FOLDER}/door\"}}}\n");
   ASSERT_EQ(mkfifo(folder.path("door").c_str(), 0600), 0);
   CommandRun run(folder.Arguments(), folder.environment());
-  ASSERT_TRUE(
-      test::Await([&] { return RunToEnd({"ps"}, folder.environment()).out.find("starting") != std::string::npos; }));
+  ASSERT_TRUE(test::Await([&] { return folder.Ask({"ps"}).out.find("starting") != std::string::npos; }));
   for (const char* name : {"a", "b", "p"}) {
-    EXPECT_THAT(RunToEnd({"restart", name}, folder.environment()).err,
-                HasSubstr("The robot still starts, or ends already."));
+    EXPECT_THAT(folder.Ask({"restart", name}).err, HasSubstr("The robot still starts, or ends already."));
   }
   std::ofstream(folder.path("door")).close();
   ASSERT_TRUE(run.Prints("b  I run.")) << run.out();
-  ASSERT_TRUE(test::Await([&] { return RunToEnd({"restart", "a"}, folder.environment()).status == 0; }));
+  ASSERT_TRUE(test::Await([&] { return folder.Ask({"restart", "a"}).status == 0; }));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
 }
@@ -171,10 +177,7 @@ TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {
   }
   EXPECT_THAT(before, testing::Each(testing::ResultOf(Runs, true)));
   const auto times = [&](const std::string& name, const std::string& what) {
-    const std::string out = robot.Ask({"logs", name}).out;
-    std::size_t count = 0;
-    for (std::size_t at = out.find(what); at != std::string::npos; at = out.find(what, at + 1)) ++count;
-    return count;
+    return Times(robot.Ask({"logs", name}).out, what);
   };
   EXPECT_EQ(times("a", "I run."), 3U);
   EXPECT_EQ(times("a", "I end."), 2U);
@@ -189,26 +192,13 @@ TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {
 }
 
 TEST(HgrosRobots, WaitsForTheEndAndItsCode) {
-  const RobotFolder folder("components: {a: {type: relay/Does, params: {what: fail}}, b: {type: relay/Does}}\n");
-  CommandRun run(folder.Arguments(), folder.environment());
-  ASSERT_TRUE(run.Prints("It has failed"));
-  CommandRun waits({"wait"}, folder.environment());
+  RunningRobot robot("components: {a: {type: relay/Does, params: {what: fail}}, b: {type: relay/Does}}\n");
+  ASSERT_TRUE(robot.Prints("It has failed"));
+  CommandRun waits({"wait"}, robot.environment());
   EXPECT_EQ(waits.Wait(std::chrono::milliseconds(200)), -1);
-  run.Signal(SIGTERM);
+  robot.Signal(SIGTERM);
   EXPECT_EQ(waits.Wait(), 1);
-  EXPECT_EQ(run.Wait(), 128 + SIGTERM);
-}
-
-TEST(HgrosRobots, TwoRobotsHaveTwoNames) {
-  const DetachedRobot robot(kTwo);
-  const CommandEnd second = robot.folder().Run();
-  EXPECT_EQ(second.status, 1);
-  EXPECT_THAT(second.err, HasSubstr("A robot \"robot\" is running already. End it with `hgros stop robot`"));
-  EXPECT_EQ(robot.folder().Run({"--detach", "--name", "other"}).status, 0);
-  EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("Several robots run: other, robot. Name one"));
-  EXPECT_THAT(robot.Ask({"stop", "othr"}).err, HasSubstr("Did you mean \"other\"?"));
-  EXPECT_EQ(robot.Ask({"stop", "other"}).status, 0);
-  EXPECT_THAT(robot.folder().Run({"--name", "a/b"}).err, HasSubstr("cannot be the name of a robot"));
+  EXPECT_EQ(robot.Wait(), 128 + SIGTERM);
 }
 
 TEST(HgrosRobots, ADetachedRobotThatCannotStartSaysWhy) {
@@ -223,27 +213,8 @@ TEST(HgrosRobots, ADetachedRobotThatCannotStartSaysWhy) {
 TEST(HgrosRobots, ARobotCanBeStartedWithoutStandardStreams) {
   const RobotFolder folder(kTwo);
   EXPECT_EQ(RunInShell("\"$HGROS\" run -d " + folder.file() + " <&- >&- 2>&-", folder.environment()).status, 0);
-  EXPECT_THAT(RunToEnd({"ps"}, folder.environment()).out, HasSubstr("relay/Does"));
-  EXPECT_EQ(RunToEnd({"stop"}, folder.environment()).status, 0);
-}
-
-TEST(HgrosRobots, AProgramThatPrintsWithoutEndHoldsUpNobody) {
-  const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
-  ASSERT_TRUE(test::Await([&robot] { return robot.Ask({"logs", "p"}).out.find("and again") != std::string::npos; }));
-  EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("yes again and again"));
-  EXPECT_EQ(robot.Ask({"stop"}).status, 0);
-}
-
-TEST(HgrosRobots, LogsMayHaveAnyBytes) {
-  const DetachedRobot robot(
-      "components: {a: {type: relay/Does, params: {what: log bytes}}}\n"
-      "programs: {p: {command: [sh, -c, 'printf \"a\\377b\\000c\\n\"; sleep 100']}}\n");
-  ASSERT_TRUE(test::Await([&robot] { return robot.Ask({"logs"}).out.find("after it") != std::string::npos; }));
-  const CommandEnd logs = robot.Ask({"logs"});
-  EXPECT_EQ(logs.status, 0);
-  EXPECT_EQ(logs.err, "");
-  EXPECT_THAT(logs.out, AllOf(HasSubstr("a\\xffb\\x00c"), HasSubstr("\\xfe\\xff is no text")));
-  EXPECT_THAT(robot.Ask({"logs", "--json"}).out, HasSubstr("a\\uFFFDb\\u0000c"));
+  EXPECT_THAT(folder.Ask({"ps"}).out, HasSubstr("relay/Does"));
+  EXPECT_EQ(folder.Ask({"stop"}).status, 0);
 }
 
 TEST(HgrosRobots, AReaderThatDoesNotReadHoldsUpNobody) {
@@ -251,7 +222,7 @@ TEST(HgrosRobots, AReaderThatDoesNotReadHoldsUpNobody) {
   std::array<int, 2> pipe{};
   ASSERT_EQ(pipe2(pipe.data(), O_CLOEXEC), 0);
   CommandRun run(folder.Arguments(), folder.environment(), pipe[1]);
-  const auto ask = [&folder](const std::string& what) { return RunToEnd({what}, folder.environment()); };
+  const auto ask = [&folder](const std::string& what) { return folder.Ask({what}); };
   ASSERT_TRUE(test::Await([&] { return ask("logs").out.find("and again") != std::string::npos; }));
   EXPECT_THAT(ask("ps").out, HasSubstr("yes again and again"));
   EXPECT_EQ(ask("stop").status, 0);
@@ -261,9 +232,9 @@ TEST(HgrosRobots, AReaderThatDoesNotReadHoldsUpNobody) {
   close(pipe[1]);
 }
 
-TEST(HgrosRobots, ACommandThatFollowsTheLogTooSlowlySaysWhatIsMissing) {
+TEST(HgrosRobots, AProgramThatPrintsWithoutEndHoldsUpNobodyButAFollowerSaysWhatIsMissing) {
   const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
-  CommandRun follows({"logs", "-f", "p"}, robot.folder().environment());
+  CommandRun follows({"logs", "-f", "p"}, robot.environment());
   ASSERT_TRUE(follows.Prints("again and again"));
   follows.Signal(SIGSTOP);
   test::Linger(std::chrono::seconds(1));  // `yes` prints far more in this time than waits for the command.
@@ -271,6 +242,9 @@ TEST(HgrosRobots, ACommandThatFollowsTheLogTooSlowlySaysWhatIsMissing) {
   EXPECT_TRUE(follows.Prints(" lines were left out here, because nobody read the output."));
   follows.Signal(SIGINT);
   EXPECT_EQ(follows.Wait(), 128 + SIGINT) << follows.err();
+  EXPECT_THAT(robot.Ask({"logs", "p"}).out, HasSubstr("and again"));
+  EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("yes again and again"));
+  EXPECT_EQ(robot.Ask({"stop"}).status, 0);
 }
 
 TEST(HgrosRobots, CommandsNameARobotThatDoesNotAnswer) {
@@ -288,18 +262,34 @@ TEST(HgrosRobots, CommandsNameARobotThatDoesNotAnswer) {
   EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" does not answer: its hgros run is stopped"));
 }
 
+// Where the starter of a robot listens.
+std::pair<sockaddr_un, socklen_t> AddressOf(const std::string& domain) {
+  const std::string name = "hgros-run/" + std::to_string(getuid()) + "/" + domain + "/robot";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path + 1, name.data(), name.size());
+  return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size())};
+}
+
+// A connection to it; none if it cannot be made.
+std::unique_ptr<MessageStream> Connect(const std::string& domain, int flags = 0) {
+  auto stream = std::make_unique<MessageStream>(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | flags, 0));
+  const auto [address, size] = AddressOf(domain);
+  if (connect(stream->descriptor(), reinterpret_cast<const sockaddr*>(&address), size) != 0) stream.reset();
+  return stream;
+}
+
 // Another user who has taken the name of the robot.
 class Squatter {
  public:
   explicit Squatter(const std::string& domain) {
     std::array<int, 2> ends{};
     EXPECT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
-    const std::string name = SocketName(domain);
+    const auto [address, size] = AddressOf(domain);
     pid_ = fork();
     if (pid_ == 0) {
       constexpr uid_t kNobody = 65534;
       const int taken = socket(AF_UNIX, SOCK_STREAM, 0);
-      const auto [address, size] = AddressOf(name);
       const bool done = setuid(kNobody) == 0 && bind(taken, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
                         listen(taken, 1) == 0;
       (void)!write(ends[1], done ? "y" : "n", 1);
@@ -318,28 +308,6 @@ class Squatter {
   Squatter(const Squatter&) = delete;
   Squatter& operator=(const Squatter&) = delete;
 
-  // Connects until no more connection waits there.
-  static std::vector<std::unique_ptr<MessageStream>> Fill(const std::string& domain) {
-    std::vector<std::unique_ptr<MessageStream>> waiting;
-    const auto [address, size] = AddressOf(SocketName(domain));
-    int result = 0;
-    while (result == 0 && waiting.size() < 100) {
-      waiting.push_back(
-          std::make_unique<MessageStream>(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)));
-      result = connect(waiting.back()->descriptor(), reinterpret_cast<const sockaddr*>(&address), size);
-    }
-    return waiting;
-  }
-  static std::string SocketName(const std::string& domain) {
-    return "hgros-run/" + std::to_string(getuid()) + "/" + domain + "/robot";
-  }
-  static std::pair<sockaddr_un, socklen_t> AddressOf(const std::string& name) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path + 1, name.data(), name.size());
-    return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size())};
-  }
-
  private:
   pid_t pid_ = -1;
 };
@@ -347,37 +315,35 @@ class Squatter {
 TEST(HgrosRobots, AnotherUserCannotPassForARobot) {
   if (getuid() != 0) GTEST_SKIP() << "Only root can act as another user.";
   const RobotFolder folder(kTwo);
-  const Squatter squatter(folder.environment().at("HGROS_DOMAIN"));
+  const Squatter squatter(folder.domain());
   EXPECT_THAT(folder.Run().err, HasSubstr("Another user of this host has taken the name of the robot \"robot\"."));
   EXPECT_EQ(folder.Run({"--detach", "--name", "mine"}).status, 0);
-  const auto filled = Squatter::Fill(folder.environment().at("HGROS_DOMAIN"));  // It never accepts.
-  EXPECT_THAT(RunToEnd({"ps"}, folder.environment()).out, HasSubstr("relay/Does"));
-  EXPECT_EQ(RunToEnd({"stop"}, folder.environment()).status, 0) << "It is the only one.";
+  std::vector<std::unique_ptr<MessageStream>> waiting;  // It never accepts.
+  do {
+    waiting.push_back(Connect(folder.domain(), SOCK_NONBLOCK));
+  } while (waiting.back() != nullptr && waiting.size() < 100);
+  EXPECT_THAT(folder.Ask({"ps"}).out, HasSubstr("relay/Does"));
+  EXPECT_EQ(folder.Ask({"stop"}).status, 0) << "It is the only one.";
 }
 
-// Speaks to the starter's socket directly.
-class RawClient {
- public:
-  explicit RawClient(const std::string& domain) : socket_(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    const auto [address, size] = Squatter::AddressOf(Squatter::SocketName(domain));
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), size), 0);
-  }
-  ~RawClient() { close(socket_); }
-  RawClient(const RawClient&) = delete;
-  RawClient& operator=(const RawClient&) = delete;
-
-  void Send(const std::string& bytes) const { (void)!send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
-
- private:
-  int socket_;
-};
-
-TEST(HgrosRobots, SaysThatItServesNoMoreCommands) {
+TEST(HgrosRobots, SurvivesCommandsThatLieAndSaysThatItServesNoMore) {
   const DetachedRobot robot(kTwo);
-  std::list<RawClient> silent;
-  while (silent.size() < 64) {
-    silent.emplace_back(robot.folder().environment().at("HGROS_DOMAIN"));
-    if (silent.size() % 16 != 0 || silent.size() == 64) continue;
+  std::vector<std::unique_ptr<MessageStream>> clients;
+  for (const std::string& bytes : {std::string("\x05\0\0\0\xff\xff\xff\xff\xff", 9), std::string("\xff\xff\xff\xff"),
+                                   std::string("\x10"), std::string(400, '\0')}) {
+    clients.push_back(Connect(robot.domain()));
+    ASSERT_NE(clients.back(), nullptr);
+    (void)send(clients.back()->descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+  EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("relay/Does"));
+  clients.push_back(Connect(robot.domain()));  // And says nothing.
+  ASSERT_NE(clients.back(), nullptr);
+  EXPECT_EQ(robot.Ask({"restart", "a"}).status, 0);
+  clients.clear();
+  while (clients.size() < 64) {
+    clients.push_back(Connect(robot.domain()));
+    ASSERT_NE(clients.back(), nullptr);
+    if (clients.size() % 16 != 0 || clients.size() == 64) continue;
     EXPECT_EQ(robot.Ask({"ps"}).status, 0);  // All are accepted by then.
   }
   for (const char* command : {"ps", "logs", "wait", "stop"}) {
@@ -386,7 +352,7 @@ TEST(HgrosRobots, SaysThatItServesNoMoreCommands) {
     EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" serves 64 commands, and no more. End some, such as"))
         << command;
   }
-  silent.clear();
+  clients.clear();
   EXPECT_TRUE(test::Await([&] { return robot.Ask({"stop"}).status == 0; })) << "Those that leave make room.";
 }
 
@@ -405,22 +371,6 @@ TEST(HgrosRobots, SleepsAndSaysWhenItCanOpenNoMoreFiles) {
       folder.environment());
   EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" can open no more files. Raise the limit of its hgros run"));
   EXPECT_THAT(end.out, ContainsRegex("ticks=[0-9]?[0-9]?\n")) << "It does not spin: a second has 100.";
-}
-
-TEST(HgrosRobots, SurvivesCommandsThatLie) {
-  const DetachedRobot robot(kTwo);
-  const std::string domain = robot.folder().environment().at("HGROS_DOMAIN");
-  const RawClient garbage(domain);
-  garbage.Send(std::string("\x05\0\0\0\xff\xff\xff\xff\xff", 9));
-  const RawClient huge(domain);
-  huge.Send("\xff\xff\xff\xff");
-  const RawClient half(domain);
-  half.Send("\x10");
-  const RawClient empty(domain);
-  empty.Send(std::string(400, '\0'));
-  EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("relay/Does"));
-  const RawClient silent(domain);
-  EXPECT_EQ(robot.Ask({"restart", "a"}).status, 0);
 }
 
 }  // namespace

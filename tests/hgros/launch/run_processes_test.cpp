@@ -2,13 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
-#include <signal.h>
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +11,7 @@
 #include "hgros/launch/robot_folder.hpp"
 #include "support/await.hpp"
 #include "support/path.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -24,20 +20,20 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(HgrosRunProcesses, HaveTheirCpusNicenessAndPriority) {
-  const RobotFolder robot(
+  RunningRobot robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\n"
       "processes:\n"
       "  p: {components: [a], cpus: [0], nice: 5}\n"
       "  q: {components: [b]}\n"
       "programs: {says: {command: [sh, -c, echo I run.; exec sleep 100d], cpus: [0], nice: 7}}\n");
-  CommandRun run(robot.Arguments(), robot.environment());
   // A table comes before. Then each of them is set up, in any order.
-  for (const char* line : {"a     I run.", "b     I run.", "says  I run."}) ASSERT_TRUE(run.Prints(line)) << run.out();
-  const std::vector<pid_t> pids = PidsIn(run.out());  // In the order of the file.
-  ASSERT_EQ(pids.size(), 3U) << run.out();
+  for (const char* line : {"a     I run.", "b     I run.", "says  I run."})
+    ASSERT_TRUE(robot.Prints(line)) << robot.out();
+  const std::vector<pid_t> pids = PidsIn(robot.out());  // In the order of the file.
+  ASSERT_EQ(pids.size(), 3U) << robot.out();
   const std::vector<int> nice{5, getpriority(PRIO_PROCESS, 0), 7};
   for (std::size_t i = 0; i < pids.size(); ++i) {
-    EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(pids[i])), nice[i]) << run.out();
+    EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(pids[i])), nice[i]) << robot.out();
     cpu_set_t cpus;
     ASSERT_EQ(sched_getaffinity(pids[i], sizeof cpus, &cpus), 0);
     EXPECT_TRUE(CPU_ISSET(0, &cpus));
@@ -45,8 +41,6 @@ TEST(HgrosRunProcesses, HaveTheirCpusNicenessAndPriority) {
     ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
     EXPECT_EQ(CPU_COUNT(&cpus), i == 1 ? CPU_COUNT(&all) : 1);
   }
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 128 + SIGINT);
 }
 
 TEST(HgrosRunProcesses, HaveARealTimePriority) {
@@ -54,79 +48,54 @@ TEST(HgrosRunProcesses, HaveARealTimePriority) {
   if (sched_setscheduler(0, SCHED_FIFO, &least) != 0) GTEST_SKIP() << "no real-time priorities here";
   const sched_param none{0};
   ASSERT_EQ(sched_setscheduler(0, SCHED_OTHER, &none), 0);
-  const RobotFolder robot(
+  RunningRobot robot(
       "components: {a: {type: relay/Does}}\n"
       "processes: {p: {components: [a], priority: 3}}\n");
-  CommandRun run(robot.Arguments(), robot.environment());
-  ASSERT_TRUE(run.Prints("I run."));
-  const std::vector<pid_t> pids = PidsIn(run.out());
-  ASSERT_EQ(pids.size(), 1U) << run.out();
+  ASSERT_TRUE(robot.Prints("I run."));
+  const std::vector<pid_t> pids = PidsIn(robot.out());
+  ASSERT_EQ(pids.size(), 1U) << robot.out();
   EXPECT_EQ(sched_getscheduler(pids[0]) & ~SCHED_RESET_ON_FORK, SCHED_FIFO);
   sched_param priority{};
   ASSERT_EQ(sched_getparam(pids[0], &priority), 0);
   EXPECT_EQ(priority.sched_priority, 3);
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 128 + SIGINT);
 }
 
-// Manifests in a folder of their own, for the bad libraries.
-class BadLibraries : public testing::Test {
- protected:
-  BadLibraries() : manifests_(testing::TempDir() + "hgros_bad_" + std::to_string(getpid())) {
-    std::filesystem::create_directories(manifests_);
-  }
-  ~BadLibraries() override { std::filesystem::remove_all(manifests_); }
-  BadLibraries(const BadLibraries&) = delete;
-  BadLibraries& operator=(const BadLibraries&) = delete;
-  void Name(const std::string& library, const std::string& type) const {
-    std::ofstream(manifests_ / "bad.yaml") << "library: " << library << "\ncomponents: [" << type << "]\n";
-  }
-  [[nodiscard]] CommandEnd Run(const std::string& type) const {
-    return RobotFolder("components: {a: {type: " + type + "}}\n", manifests_.string()).Run();
-  }
-
-  const std::filesystem::path manifests_;
-};
-
-TEST_F(BadLibraries, NothingRunsWithoutTheLibrary) {
-  Name("/nowhere/libmissing.so", "bad/Missing");
-  const CommandEnd end = Run("bad/Missing");
-  EXPECT_EQ(end.status, 1);
-  EXPECT_EQ(end.out, "");
-  EXPECT_THAT(end.err, AllOf(HasSubstr("robot.yaml:1:"), HasSubstr("/nowhere/libmissing.so")));
-}
-
-TEST_F(BadLibraries, ConstructorsThatEndTheProcessAreNamedBeforeAnythingRuns) {
-  const std::map<std::string, std::string> reasons{
-      {"bad/Exits", "it ended with exit code 3"}, {"bad/Crashes", "SIGSEGV"}, {"bad/Throws", "there is no"}};
-  for (const auto& [type, reason] : reasons) {
-    Name(test::Path("bad_library"), type);
-    const CommandEnd end = Run(type);
-    EXPECT_EQ(end.status, 1) << type;
-    EXPECT_EQ(end.out, "") << type;
-    EXPECT_THAT(end.err, AllOf(HasSubstr("robot.yaml:1:"), HasSubstr("Component \"a\""), HasSubstr(reason))) << type;
+TEST(HgrosRunProcesses, ThatEndInAConstructorAndMissingLibrariesAreNamedBeforeAnythingRuns) {
+  struct Bad {
+    std::string type;
+    std::string library;
+    std::string reason;
+  };
+  const std::string bad = test::Path("bad_library");
+  for (const Bad& one : {Bad{"bad/Missing", "/nowhere/libmissing.so", "/nowhere/libmissing.so"},
+                         Bad{"bad/Exits", bad, "it ended with exit code 3"}, Bad{"bad/Crashes", bad, "SIGSEGV"},
+                         Bad{"bad/Throws", bad, "there is no"}}) {
+    const test::ScratchFolder manifests;
+    manifests.Write("bad.yaml", "library: " + one.library + "\ncomponents: [" + one.type + "]\n");
+    const CommandEnd end = RobotFolder("components: {a: {type: " + one.type + "}}\n", manifests.path()).Run();
+    EXPECT_EQ(end.status, 1) << one.type;
+    EXPECT_EQ(end.out, "") << one.type;
+    EXPECT_THAT(end.err, AllOf(HasSubstr("robot.yaml:1:"), HasSubstr("Component \"a\""), HasSubstr(one.reason)))
+        << one.type;
   }
 }
 
 // The channels of this robot are a circle. One message goes round and round.
 TEST(HgrosRunProcesses, AGraphWithACycleRunsAndEnds) {
-  const RobotFolder robot(
+  RunningRobot robot(
       "components:\n"
       "  there: {type: moving/Passing, remap: {number: ping, passed: pong}}\n"
       "  back: {type: moving/Passing, remap: {number: pong, passed: ping, count: rounds}}\n"
       "processes: {p: {components: [there]}, q: {components: [back]}}\n");
-  CommandRun run(robot.Arguments(), robot.environment());
-  const auto ask = [&] { return RunToEnd({"call", "rounds", "{}"}, robot.environment()); };
-  ASSERT_TRUE(test::Await([&] { return ask().status == 0; })) << run.out() << run.err();
-  EXPECT_EQ(RunToEnd(Patiently({"pub", "ping", "{value: \"1\"}"}), robot.environment()).status, 0);
+  const auto ask = [&] { return robot.Ask({"call", "rounds", "{}"}); };
+  ASSERT_TRUE(test::Await([&] { return ask().status == 0; })) << robot.out() << robot.err();
+  EXPECT_EQ(robot.Ask(Patiently({"pub", "ping", "{value: \"1\"}"})).status, 0);
   const auto rounds = [&] {
     const std::string text = ask().out;
     const std::size_t number = text.find_first_of("0123456789");
     return number == std::string::npos ? 0 : std::stoi(text.substr(number));
   };
-  EXPECT_TRUE(test::Await([&] { return rounds() > 100; })) << run.out() << run.err();
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 128 + SIGINT) << run.out() << run.err();
+  EXPECT_TRUE(test::Await([&] { return rounds() > 100; })) << robot.out() << robot.err();
 }
 
 }  // namespace
