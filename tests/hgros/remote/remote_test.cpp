@@ -6,19 +6,17 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <random>
 #include <regex>
 #include <string>
 #include <vector>
 
+#include "hgros/base/error.hpp"
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
 #include "hgros/remote/ssh_host.hpp"
-#include "hgros/transport/curve_key_pair.hpp"
 #include "remote/library_build.hpp"
 #include "support/await.hpp"
 #include "support/path.hpp"
@@ -38,76 +36,89 @@ constexpr const char* kHosts =
 constexpr const char* kDoes =
     "components: {does: {type: relay/Does}}\nprocesses: {p: {components: [does], host: base}}\n";
 
-TEST(HgrosRemote, StartsProcessesAndProgramsOverSshAndBringsTheirLogBack) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+std::string HangingAtItsEnd(const std::string& setting = {}) {
+  return std::string(kHosts) + "components: {does: {type: relay/Does, params: {what: hang at end}}}\n" +
+         "processes: {p: {components: [does], host: base" + setting + "}}\n";
+}
+
+class HgrosRemote : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!host_.missing.empty()) GTEST_SKIP() << host_.missing;
+  }
+  // Runs it until it says so.
+  [[nodiscard]] std::unique_ptr<CommandRun> RunUntil(const RobotFolder& robot, const std::string& said) const {
+    auto run = host_.Run(robot);
+    if (!run->Prints(said)) throw Error("It does not say it:\n" + run->out() + run->err());
+    return run;
+  }
+  // Ends it by Ctrl-C. Nothing of it is left then.
+  void End(CommandRun& run) const {
+    run.Signal(SIGINT);
+    EXPECT_EQ(run.Wait(), 128 + SIGINT) << run.out() << run.err();
+    EXPECT_TRUE(host_.IsLeftClean()) << host_.Left();
+  }
+  // A command on the desk.
+  void Do(const RobotFolder& robot, const std::vector<std::string>& words) const {
+    const auto command = host_.OnDesk(robot, words);
+    if (command->Wait() != 0) throw Error("It fails: " + command->err());
+  }
+
+  SshHost host_;
+};
+
+TEST_F(HgrosRemote, StartsProcessesAndProgramsOverSshAndBringsTheirLogBack) {
   const RobotFolder robot(std::string(kHosts) +
                           "components: {numbers: {type: relay/Numbers, params: {count: ${COUNT:-50}}},\n"
                           "             one: {type: relay/Checker, params: {count: 50}}}\n"
                           "processes: {p: {components: [numbers], host: base, env: {A: far away}}}\n"
                           "programs: {q: {host: base, env: {A: far away}, command: [sh, -c, "
                           "'echo $A; ip -o addr; exit 3']}}\n");
-  const auto run = host.Run(robot);
+  const auto run = host_.Run(robot);
   EXPECT_EQ(run->Wait(), 1) << "The program fails.";
   EXPECT_THAT(run->out(), AllOf(HasSubstr("numbers  It has finished: 50 numbers"), HasSubstr("q        far away"),
                                 HasSubstr("one      It has finished: all 50"), HasSubstr("inet 10.198.0.2/24"),
                                 HasSubstr("The process has failed: it ended with exit code 3.")))
       << run->err();
-  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+  EXPECT_TRUE(host_.IsLeftClean()) << host_.Left();
 }
 
-TEST(HgrosRemote, ProgramsExchangeWhatTheySay) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, ProgramsExchangeWhatTheySayAndCtrlCEndsAllInOrder) {
   const std::string hgros = test::Path("hgros");
   const RobotFolder robot(std::string(kHosts) +
-                          "components: {counting: {type: moving/Counting}, counter: {type: relay/Counter}}\n"
+                          "components: {counting: {type: moving/Counting}, counter: {type: relay/Counter},\n"
+                          "             does: {type: relay/Does}}\n"
+                          "processes: {p: {components: [does], host: base}}\n"
                           "programs:\n"
+                          "  q: {host: base, command: [sh, -c, 'echo up; sleep 100d']}\n"
                           "  hears: {host: base, subscribes: [number], command: [" +
                           hgros +
                           ", echo, number, -n, 3, --field, value]}\n"
                           "  says: {host: base, publishes: [word], command: [" +
                           hgros + ", pub, word, '{value: one}', --type, foxglove.KeyValuePair, --timeout, 15]}\n");
-  const auto run = host.Run(robot);
-  EXPECT_TRUE(run->Prints("counts 1.")) << run->out() << run->err();
+  const auto run = RunUntil(robot, "counts 1.");
   EXPECT_TRUE(test::Await([&] {
     const std::string out = run->out();
     return std::regex_search(out, std::regex("hears +\"[0-9]+\"\n[^]*hears +\"[0-9]+\"\n[^]*hears +\"[0-9]+\"\n"));
   })) << run->out();
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
-  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+  for (const char* line : {"does      I run.", "q         up"}) ASSERT_TRUE(run->Prints(line)) << run->out();
+  End(*run);
+  EXPECT_THAT(run->out(), AllOf(HasSubstr("does      I end."), Not(HasSubstr("killed")), Not(HasSubstr("failed"))));
 }
 
-TEST(HgrosRemote, HostsWithKeysExchangeMessages) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const CurveKeyPair desk = GenerateCurveKeyPair();
-  const CurveKeyPair base = GenerateCurveKeyPair();
-  const RobotFolder robot("hosts:\n  desk: {address: 10.198.0.1, home: true, key: \"" + desk.public_key +
-                          "\", secret_key_file: \"${FOLDER}/desk.key\"}\n  base: {address: 10.198.0.2, key: \"" +
-                          base.public_key +
-                          "\", secret_key_file: \"${FOLDER}/base.key\"}\n"
-                          "discovery: {local: false}\n"
-                          "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"
-                          "processes: {p: {components: [numbers], host: base}}\n");
-  const auto write = [&](const std::string& name, const std::string& key) {
-    std::ofstream(robot.path(name)) << key;
-    std::filesystem::permissions(robot.path(name), std::filesystem::perms::owner_read);
-  };
-  write("desk.key", desk.secret_key);
-  const auto refused = host.Run(robot);
+TEST_F(HgrosRemote, HostsWithKeysExchangeMessages) {
+  const RobotWithKeys robot;
+  robot.WriteKey("desk");
+  const auto refused = host_.Run(robot);
   EXPECT_EQ(refused->Wait(), 1);
   EXPECT_THAT(refused->out(), AllOf(HasSubstr("p        error:"), HasSubstr("base.key\", which cannot be read")));
-  write("base.key", base.secret_key);
-  const auto run = host.Run(robot);
+  robot.WriteKey("base");
+  const auto run = host_.Run(robot);
   EXPECT_EQ(run->Wait(), 0) << run->out() << run->err();
   EXPECT_THAT(run->out(), HasSubstr("It has finished: all 100"));
 }
 
-TEST(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
   const RobotFolder robot(std::string(kHosts) +
                           "components:\n"
                           "  counting: {type: moving/Counting}\n"
@@ -116,24 +127,18 @@ TEST(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
                           "processes:\n"
                           "  near: {components: [counting, judging, passing]}\n"
                           "  far: {host: base}\n");
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("far")) << run->out() << run->err();
+  const auto run = RunUntil(robot, "far");
   ASSERT_TRUE(test::Await([&] {
-    const auto ps = host.OnDesk(robot, {"ps"});
+    const auto ps = host_.OnDesk(robot, {"ps"});
     return ps->Wait() == 0 && ps->out().find("starting") == std::string::npos;
   }));
-  for (const std::string to : {"base", "desk", "far", "near"}) {
-    const auto move = host.OnDesk(robot, {"move", "passing", "--to", to});
-    EXPECT_EQ(move->Wait(), 0) << move->err() << run->out();
-  }
+  for (const std::string to : {"base", "desk", "far", "near"}) Do(robot, {"move", "passing", "--to", to});
   std::size_t thousands = 1;
   while (run->out().find("has " + std::to_string(thousands * 1000)) != std::string::npos) ++thousands;
   EXPECT_TRUE(run->Prints("has " + std::to_string((thousands + 1) * 1000))) << run->out();
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out();
+  End(*run);
   EXPECT_THAT(run->out(), AllOf(HasSubstr("It has moved here from \"near\""), Not(HasSubstr("lost ")),
                                 Not(HasSubstr("again ")), Not(HasSubstr("refused"))));
-  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
 }
 
 // A robot whose passing component moves between two hosts.
@@ -183,25 +188,17 @@ class MovingBetweenHosts {
   const std::unique_ptr<CommandRun> run_ = host_.Run(robot_);
 };
 
-TEST(HgrosRemote, TriesAgainUntilAHostCanBeReached) {
-  SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, TriesAgainUntilAHostCanBeReached) {
   const RobotFolder robot(std::string(kHosts) +
                           "components: {does: {type: relay/Does}}\n"
                           "processes: {p: {components: [does], host: base, restart: on-failure}}\n");
-  const pid_t listener = FindOn(host.cable.right, "sshd");
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  const pid_t listener = FindOn(host_.cable.right, "sshd");
+  const auto run = RunUntil(robot, "does  I run.");
   ASSERT_EQ(kill(listener, SIGKILL), 0);
-  ASSERT_EQ(kill(FindOn(host.cable.right, "p"), SIGKILL), 0);
+  ASSERT_EQ(kill(FindOn(host_.cable.right, "p"), SIGKILL), 0);
   ASSERT_TRUE(run->Prints("It is started again in 2000 ms.")) << run->out() << run->err();
-  host.StartSshd();
-  EXPECT_TRUE(test::Await([&] {
-    const std::string out = run->out();
-    const std::size_t first = out.find("does  I run.");
-    return out.find("does  I run.", first + 1) != std::string::npos;
-  })) << run->out()
-      << run->err();
+  host_.StartSshd();
+  EXPECT_TRUE(test::Await([&] { return Times(run->out(), "does  I run.") >= 2; })) << run->out() << run->err();
   run->Signal(SIGINT);
   EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out() << run->err();
 }
@@ -213,12 +210,10 @@ struct Victim {
 };
 
 // More rounds: HGROS_MOVE_ROUNDS=200.
-TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
+TEST_F(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
   constexpr int kRoundsOfARobot = 4;  // A process that is killed more often is not started again.
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const std::string& desk = host.cable.left;
-  const std::string& base = host.cable.right;
+  const std::string& desk = host_.cable.left;
+  const std::string& base = host_.cable.right;
   const std::vector<Victim> victims{{desk, "ssh"}, {base, "sshd"}, {base, "hgros"}, {base, "far"},
                                     {desk, "far"}, {desk, "near"}, {desk, "hgros"}};
   const char* wanted = std::getenv("HGROS_MOVE_ROUNDS");
@@ -226,7 +221,7 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
   const pid_t listener = FindOn(base, "sshd");
   int left = wanted == nullptr ? 2 * kRoundsOfARobot : std::stoi(wanted);
   while (left > 0 && !testing::Test::HasFailure()) {
-    const MovingBetweenHosts robot(host);
+    const MovingBetweenHosts robot(host_);
     ASSERT_TRUE(robot.run().Prints("far")) << robot.run().out() << robot.run().err();
     bool starter_killed = false;
     bool killed = false;
@@ -268,7 +263,7 @@ TEST(HgrosRemote, WhoeverIsKilledOrStoppedInAMoveOnePlaceRunsIt) {
     }
     if (!starter_killed) robot.run().Signal(SIGINT);
     EXPECT_EQ(robot.run().Wait(), 128 + (starter_killed ? SIGKILL : SIGINT)) << robot.run().out();
-    EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+    EXPECT_TRUE(host_.IsLeftClean()) << host_.Left();
   }
 }
 
@@ -279,9 +274,8 @@ std::string HashesIn(const std::string& out) {
 }
 
 // The paper's first use case: a node of the demo moves to another host and back, during operation.
-TEST(HgrosRemote, AMapperThatMovesBetweenHostsDrawsTheSameMap) {
-  const SshHost host(std::map<std::string, std::string>{{"HGROS_COMPONENT_PATH", test::Path("slam2d_manifests")}});
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, AMapperThatMovesBetweenHostsDrawsTheSameMap) {
+  host_.StartSshd(test::Path("slam2d_manifests"));
   const std::string include = "include: " + test::Path("slam2d") + "/slam2d.yaml\n";
   const RobotFolder alone(include, test::Path("slam2d_manifests"));
   const RobotFolder robot(include + kHosts +
@@ -289,53 +283,29 @@ TEST(HgrosRemote, AMapperThatMovesBetweenHostsDrawsTheSameMap) {
                               "  front: {components: [source, matcher, writer], essential: true}\n"
                               "  back: {host: base, components: [mapper], essential: true}\n",
                           test::Path("slam2d_manifests"));
-  const std::vector<std::string> scans{"--set", "source.params.scans=60"};
-  const auto out = [](const RobotFolder& folder) {
-    return std::vector<std::string>{"--set", "writer.params.out=" + folder.path("out").string()};
+  const auto settings = [](const RobotFolder& folder) {
+    return std::vector<std::string>{"--set", "source.params.scans=60", "--set",
+                                    "writer.params.out=" + folder.path("out").string()};
   };
-  std::vector<std::string> words = robot.Arguments(scans);
-  for (const std::string& word : out(robot)) words.push_back(word);
+  std::vector<std::string> words = robot.Arguments(settings(robot));
   words.insert(words.end(), {"--set", "source.params.rate=5"});
-  const auto run = host.OnDesk(robot, words);
+  const auto run = host_.OnDesk(robot, words);
   ASSERT_TRUE(test::Await([&] {
-    const auto ps = host.OnDesk(robot, {"ps"});
+    const auto ps = host_.OnDesk(robot, {"ps"});
     return ps->Wait() == 0 && std::regex_search(ps->out(), std::regex(R"(mapper [^\n]* running)"));
   })) << run->out()
       << run->err();
-  for (const std::string to : {"desk", "base", "front"}) {
-    const auto move = host.OnDesk(robot, {"move", "mapper", "--to", to});
-    ASSERT_EQ(move->Wait(), 0) << move->err() << run->out();
-  }
+  for (const std::string to : {"desk", "base", "front"}) Do(robot, {"move", "mapper", "--to", to});
   EXPECT_EQ(run->Wait(), 0) << run->out() << run->err();
-  words = scans;
-  for (const std::string& word : out(alone)) words.push_back(word);
-  const CommandEnd reference = alone.Run(words);
+  const CommandEnd reference = alone.Run(settings(alone));
   ASSERT_EQ(reference.status, 0) << reference.out << reference.err;
   EXPECT_EQ(HashesIn(run->out()), HashesIn(reference.out));
 }
 
-TEST(HgrosRemote, CtrlCEndsTheOtherHostsProcessesInOrder) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const RobotFolder robot(std::string(kHosts) + kDoes +
-                          "programs: {q: {host: base, command: [sh, -c, 'echo up; sleep 100d']}}\n");
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
-  ASSERT_TRUE(run->Prints("q     up"));
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT);
-  EXPECT_THAT(run->out(), AllOf(HasSubstr("does  I end."), Not(HasSubstr("killed")), Not(HasSubstr("failed"))));
-  EXPECT_TRUE(host.IsLeftClean()) << host.Left();
-}
-
-TEST(HgrosRemote, NothingIsLeftWhenAnyPartIsKilled) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const RobotFolder robot(std::string(kHosts) +
-                          "components: {does: {type: relay/Does, params: {what: hang at end}}}\n"
-                          "processes: {p: {components: [does], host: base}}\n");
-  const auto& desk = host.cable.left;
-  const auto& base = host.cable.right;
+TEST_F(HgrosRemote, NothingIsLeftWhenAnyPartIsKilled) {
+  const RobotFolder robot(HangingAtItsEnd());
+  const auto& desk = host_.cable.left;
+  const auto& base = host_.cable.right;
   struct Kill {
     std::string space;
     std::string name;
@@ -345,84 +315,70 @@ TEST(HgrosRemote, NothingIsLeftWhenAnyPartIsKilled) {
                           Kill{desk, "ssh", "The connection to the host \"base\" is lost: ssh has failed"},
                           Kill{base, "p", "The process has failed: it was ended by SIGKILL."},
                           Kill{base, "hgros", "The connection to the host \"base\" is lost."}}) {
-    const auto run = host.Run(robot);
-    ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+    const auto run = RunUntil(robot, "does  I run.");
     ASSERT_EQ(kill(FindOn(one.space, one.name), SIGKILL), 0) << one.name;
     EXPECT_EQ(run->Wait(), one.says.empty() ? 128 + SIGKILL : 1);
     EXPECT_THAT(run->out(), HasSubstr(one.says)) << run->err();
-    EXPECT_TRUE(host.IsLeftClean()) << one.name << "\n" << host.Left();
+    EXPECT_TRUE(host_.IsLeftClean()) << one.name << "\n" << host_.Left();
   }
 }
 
-TEST(HgrosRemote, NothingIsLeftWheneverItEnds) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, NothingIsLeftWheneverItEnds) {
   const RobotFolder robot(std::string(kHosts) + kDoes + "programs: {q: {host: base, command: [sleep, 100d]}}\n");
   std::mt19937 random(test::Seed());
   for (int round = 0; round < 12; ++round) {
-    const auto run = host.Run(robot);
+    const auto run = host_.Run(robot);
     const int after_ms = std::uniform_int_distribution(0, 1000)(random);
     test::Linger(std::chrono::milliseconds(after_ms));
     const int number = round % 2 == 0 ? SIGINT : SIGKILL;
     run->Signal(number);
     EXPECT_EQ(run->Wait(), 128 + number) << after_ms << " ms\n" << run->out() << run->err();
-    EXPECT_TRUE(host.IsLeftClean()) << after_ms << " ms\n" << host.Left();
+    EXPECT_TRUE(host_.IsLeftClean()) << after_ms << " ms\n" << host_.Left();
   }
 }
 
-TEST(HgrosRemote, ADeadNetworkEndsBothSides) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, ADeadNetworkEndsBothSides) {
   const RobotFolder robot(std::string(kHosts) + kDoes);
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
-  ASSERT_TRUE(host.cable.Set("down"));
+  const auto run = RunUntil(robot, "does  I run.");
+  ASSERT_TRUE(host_.cable.Set("down"));
   EXPECT_EQ(run->Wait(), 1);
   EXPECT_THAT(run->out(), HasSubstr("The connection to the host \"base\" is lost."));
-  EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "p") == 0; })) << host.Left();
-  EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "hgros") == 0; })) << host.Left();
+  EXPECT_TRUE(test::Await([&] { return FindOn(host_.cable.right, "p") == 0; })) << host_.Left();
+  EXPECT_TRUE(test::Await([&] { return FindOn(host_.cable.right, "hgros") == 0; })) << host_.Left();
 }
 
-TEST(HgrosRemote, AStoppedStarterDoesNotStopTheRobot) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, AStoppedStarterDoesNotStopTheRobot) {
   const RobotFolder robot(std::string(kHosts) + kDoes);
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
+  const auto run = RunUntil(robot, "does  I run.");
   run->Signal(SIGSTOP);
   test::Linger(std::chrono::seconds(9));  // Longer than the other end waits for a sign of life.
-  EXPECT_NE(FindOn(host.cable.right, "p"), 0);
+  EXPECT_NE(FindOn(host_.cable.right, "p"), 0);
   run->Signal(SIGCONT);
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT);
+  End(*run);
   EXPECT_THAT(run->out(), HasSubstr("does  I end."));
 }
 
-TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
   const RobotFolder robot(
       "hosts: {desk: {address: 10.198.0.1, home: true}, base: {address: 10.198.0.2}}\n"
       "components: {counter: {type: relay/Counter, checkpoint: 1h, params: {step: 3}}}\n"
       "processes: {p: {components: [counter], host: base, restart: on-failure}}\n");
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("begins at 0.")) << run->out() << run->err();
+  const auto run = RunUntil(robot, "begins at 0.");
   const auto say_word = [&] {
     CommandRun pub(
-        {"netns", "exec", host.cable.right, test::Path("hgros"), "pub", "word", "{value: a}", "--timeout", "30"},
+        {"netns", "exec", host_.cable.right, test::Path("hgros"), "pub", "word", "{value: a}", "--timeout", "30"},
         robot.environment(), -1, "/sbin/ip");
     EXPECT_EQ(pub.Wait(), 0) << pub.err();
   };
   say_word();
   ASSERT_TRUE(run->Prints("counts 3."));
-  const auto ps = host.OnDesk(robot, {"ps"});
+  const auto ps = host_.OnDesk(robot, {"ps"});
   EXPECT_EQ(ps->Wait(), 0);
   EXPECT_THAT(ps->out(), HasSubstr("relay/Counter  p on base"));
-  const auto restart = host.OnDesk(robot, {"restart", "counter"});
-  EXPECT_EQ(restart->Wait(), 0) << restart->err();
+  Do(robot, {"restart", "counter"});
   EXPECT_TRUE(run->Prints("begins at 3."));
   // The same when only the connection ends.
-  ASSERT_EQ(kill(FindOn(host.cable.left, "ssh"), SIGKILL), 0);
+  ASSERT_EQ(kill(FindOn(host_.cable.left, "ssh"), SIGKILL), 0);
   EXPECT_TRUE(run->Prints("It is started again."));
   EXPECT_TRUE(test::Await([&] {
     const std::string out = run->out();
@@ -430,65 +386,47 @@ TEST(HgrosRemote, AProcessGoesOnFromItsCheckpoint) {
   })) << run->out();
   say_word();
   EXPECT_TRUE(run->Prints("counts 6.")) << run->out();
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT);
+  End(*run);
 }
 
-TEST(HgrosRemote, WhatHasLostItsConnectionHasEndedBeforeItIsStartedAgain) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const RobotFolder robot(std::string(kHosts) +
-                          "components: {does: {type: relay/Does, params: {what: hang at end}}}\n"
-                          "processes: {p: {components: [does], host: base, restart: on-failure}}\n");
+TEST_F(HgrosRemote, WhatHasLostItsConnectionHasEndedBeforeItIsStartedAgain) {
+  const RobotFolder robot(HangingAtItsEnd(", restart: on-failure"));
   for (const char* killed : {"ssh", "p"}) {  // p is the relay here.
-    const auto run = host.Run(robot);
-    ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
-    const pid_t before = FindOn(host.cable.right, "p");
+    const auto run = RunUntil(robot, "does  I run.");
+    const pid_t before = FindOn(host_.cable.right, "p");
     ASSERT_GT(before, 0);
-    ASSERT_EQ(kill(FindOn(host.cable.left, killed), SIGKILL), 0);
+    ASSERT_EQ(kill(FindOn(host_.cable.left, killed), SIGKILL), 0);
     EXPECT_TRUE(run->Prints("It is started again."));
     EXPECT_FALSE(Runs(before)) << killed;
-    EXPECT_TRUE(test::Await([&] { return FindOn(host.cable.right, "p") > 0; })) << run->out();
-    run->Signal(SIGINT);
-    EXPECT_EQ(run->Wait(), 128 + SIGINT);
-    EXPECT_TRUE(host.IsLeftClean()) << host.Left();
+    EXPECT_TRUE(test::Await([&] { return FindOn(host_.cable.right, "p") > 0; })) << run->out();
+    End(*run);
   }
 }
 
-TEST(HgrosRemote, WhatHangsAtItsEndIsRestartedThere) {
-  const SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
-  const RobotFolder robot(std::string(kHosts) +
-                          "components: {does: {type: relay/Does, params: {what: hang at end}}}\n"
-                          "processes: {p: {components: [does], host: base}}\n");
-  const auto run = host.Run(robot);
-  ASSERT_TRUE(run->Prints("does  I run.")) << run->out() << run->err();
-  const auto restart = host.OnDesk(robot, {"restart", "p"});
-  EXPECT_EQ(restart->Wait(), 0) << restart->err();
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT);
+TEST_F(HgrosRemote, WhatHangsAtItsEndIsRestartedThere) {
+  const RobotFolder robot(HangingAtItsEnd());
+  const auto run = RunUntil(robot, "does  I run.");
+  Do(robot, {"restart", "p"});
+  End(*run);
 }
 
-TEST(HgrosRemote, SaysWhichLibraryDiffers) {
+TEST_F(HgrosRemote, SaysWhichLibraryDiffers) {
   const RobotFolder other("");
   const std::filesystem::path library = other.path("libhgros_test_relay.so");
   std::filesystem::copy(std::filesystem::path(test::Path("words_library")).parent_path() / library.filename(), library);
   const std::string before = BuildOf(library).id;
   ASSERT_EQ(before.size(), 40U);
-  {
-    std::ifstream in(library, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(in)), {});
-    std::string id;
-    for (std::size_t i = 0; i < before.size(); i += 2)
-      id += static_cast<char>(std::stoi(before.substr(i, 2), nullptr, 16));
-    bytes[bytes.find(id)] = static_cast<char>(bytes[bytes.find(id)] ^ 1);
-    std::ofstream(library, std::ios::binary) << bytes;
+  std::string id;
+  for (std::size_t i = 0; i < before.size(); i += 2) {
+    id += static_cast<char>(std::stoi(before.substr(i, 2), nullptr, 16));
   }
-  std::ofstream(other.path("relay.yaml")) << "library: libhgros_test_relay.so\ncomponents: [relay/Does]\n";
-  const SshHost host({{"HGROS_COMPONENT_PATH", library.parent_path()}});
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+  std::string bytes = other.Read("libhgros_test_relay.so");
+  bytes[bytes.find(id)] = static_cast<char>(bytes[bytes.find(id)] ^ 1);
+  other.Write("libhgros_test_relay.so", bytes);
+  other.Write("relay.yaml", "library: libhgros_test_relay.so\ncomponents: [relay/Does]\n");
+  host_.StartSshd(library.parent_path());
   const RobotFolder robot(std::string(kHosts) + kDoes);
-  const auto run = host.Run(robot);
+  const auto run = host_.Run(robot);
   EXPECT_EQ(run->Wait(), 1);
   EXPECT_THAT(run->out(), AllOf(HasSubstr("The library of relay/Does is another one here: " + library.string()),
                                 HasSubstr("has build id " + BuildOf(library).id +
@@ -500,16 +438,14 @@ TEST(HgrosRemote, SaysWhichLibraryDiffers) {
   EXPECT_THAT(run->err(), HasSubstr("The robot cannot start without \"p\"."));
 }
 
-TEST(HgrosRemote, SaysWhyItCannotConnect) {
-  SshHost host;
-  if (!host.missing.empty()) GTEST_SKIP() << host.missing;
+TEST_F(HgrosRemote, SaysWhyItCannotConnect) {
   const auto says = [&](const std::string& hosts, const auto& matcher) {
     const RobotFolder robot("hosts: {" + hosts + "}\n" + kDoes);
-    const auto run = host.Run(robot);
+    const auto run = host_.Run(robot);
     EXPECT_EQ(run->Wait(), 1);
     EXPECT_THAT(run->out(), matcher) << run->err();
     EXPECT_THAT(run->err(), HasSubstr("The robot cannot start without \"p\"."));
-    EXPECT_TRUE(test::Await([&] { return ProcessesOn(host.cable.left).empty(); })) << host.Left();
+    EXPECT_TRUE(test::Await([&] { return ProcessesOn(host_.cable.left).empty(); })) << host_.Left();
   };
   says("base: {address: 10.198.0.2, hgros: /nowhere/hgros}",
        AllOf(HasSubstr("/nowhere/hgros"), HasSubstr("The host \"base\" has no command `/nowhere/hgros`. Install hgros "
@@ -522,19 +458,19 @@ TEST(HgrosRemote, SaysWhyItCannotConnect) {
   says("base: {address: 10.198.0.2, hgros: \"false\"}", HasSubstr("`false` on the host \"base\" does not answer"));
   says("base: {address: 10.198.0.1, ssh: nobody@10.198.0.2}",
        AllOf(HasSubstr("Permission denied"), HasSubstr("`ssh nobody@10.198.0.2 hgros --version`")));
-  host.Trust("user_key.pub");
+  host_.Trust("user_key.pub");
   says("base: {address: 10.198.0.2}", HasSubstr("Host key verification failed."));
-  ASSERT_TRUE(host.cable.Set("down"));
+  ASSERT_TRUE(host_.cable.Set("down"));
   says("base: {address: 10.198.0.2}", AllOf(HasSubstr("ssh: connect to host 10.198.0.2 port 22: "),
                                             HasSubstr("ssh cannot connect to the host \"base\"")));
-  ASSERT_TRUE(host.cable.Set("up"));
-  host.StopSshd();
+  ASSERT_TRUE(host_.cable.Set("up"));
+  host_.StopSshd();
   says("base: {address: 10.198.0.2}",
        AllOf(HasSubstr("Connection refused"),
              HasSubstr("ssh cannot connect to the host \"base\"; its own words are above. This must work without a "
                        "question: `ssh 10.198.0.2 hgros --version`.")));
-  std::filesystem::remove(host.folder / "bin/ssh");
-  host.path = (host.folder / "bin").string();
+  std::filesystem::remove(host_.folder / "bin/ssh");
+  host_.path = (host_.folder / "bin").string();
   says("base: {address: 10.198.0.2}",
        HasSubstr("ssh cannot be run: No such file or directory. Install the package openssh-client."));
 }

@@ -3,16 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <link.h>
-#include <stdlib.h>
 
 #include <array>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "hgros/base/error.hpp"
 #include "remote/library_build.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -37,9 +35,7 @@ std::string LoadedLibrary() {
 class RemoteUnitsTest : public testing::Test {
  protected:
   RemoteUnitsTest() {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_units_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    std::ofstream(folder_ / "a.yaml") << "library: \"" << LoadedLibrary() << "\"\ncomponents: [a/A]\n";
+    folder_.Write("a.yaml", "library: \"" + LoadedLibrary() + "\"\ncomponents: [a/A]\n");
     const LibraryBuild build = BuildOf(LoadedLibrary());
     RemoteOrder::Library& library = *start_.add_libraries();
     library.set_name("liba.so");
@@ -54,19 +50,17 @@ class RemoteUnitsTest : public testing::Test {
       one.set_value(fingerprint);
     }
   }
-  ~RemoteUnitsTest() override { std::filesystem::remove_all(folder_); }
   [[nodiscard]] std::vector<std::string> Differences() const {
-    return LibraryDifferences(start_, {description_}, ComponentCatalog({folder_}));
+    return LibraryDifferences(start_, {description_}, ComponentCatalog({folder_.path()}));
   }
 
-  std::filesystem::path folder_;
+  const test::ScratchFolder folder_;
   RemoteOrder::Start start_;
   ComponentDescription description_;
 };
 
-TEST_F(RemoteUnitsTest, EqualLibrariesHaveNoDifferences) { EXPECT_THAT(Differences(), IsEmpty()); }
-
 TEST_F(RemoteUnitsTest, AnotherBuildIsADifference) {
+  EXPECT_THAT(Differences(), IsEmpty());
   start_.mutable_libraries(0)->set_build("00ff");
   EXPECT_THAT(Differences(),
               ElementsAre(AllOf(HasSubstr("The library of a/A is another one here: "), HasSubstr("libhgros.so"),

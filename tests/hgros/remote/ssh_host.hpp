@@ -1,18 +1,16 @@
 #pragma once
 
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/types.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +19,7 @@
 #include "support/await.hpp"
 #include "support/cable.hpp"
 #include "support/path.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 
@@ -44,10 +43,9 @@ inline std::string NameOf(pid_t process) {
 
 /// A process of that name in a network namespace; 0: there is none.
 inline pid_t FindOn(const std::string& space, const std::string& name) {
-  for (const pid_t one : ProcessesOn(space)) {
-    if (NameOf(one) == name) return one;
-  }
-  return 0;
+  const std::vector<pid_t> all = ProcessesOn(space);
+  const auto found = std::ranges::find(all, name, NameOf);
+  return found == all.end() ? 0 : *found;
 }
 
 /// The one of them that was started last.
@@ -62,8 +60,7 @@ inline pid_t FindLastOn(const std::string& space, const std::string& name) {
 /// Two hosts: a desk, 10.198.0.1, and a base, 10.198.0.2, with Debian's sshd. The desk's ssh has a key for it.
 class SshHost {
  public:
-  /// `far`: variables of the environment on the base.
-  explicit SshHost(std::map<std::string, std::string> far = {}) {
+  SshHost() {
     for (const char* needed : {"/usr/sbin/sshd", "/usr/bin/ssh-keygen", "/usr/bin/ssh"}) {
       if (!std::filesystem::exists(needed)) missing = std::string(needed) + " is missing: install openssh-server.";
     }
@@ -72,29 +69,17 @@ class SshHost {
       missing = "Network namespaces need root.";
       return;
     }
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_ssh_XXXXXX").string();
-    folder = mkdtemp(name.data());
     std::filesystem::create_directories("/run/sshd");  // As the service does.
     for (const char* key : {"host_key", "user_key"}) {
       (void)std::system(("ssh-keygen -q -t ed25519 -N '' -f " + (folder / key).string()).c_str());
     }
     std::filesystem::copy(folder / "user_key.pub", folder / "authorized_keys");
     Trust("host_key.pub");
-    const std::string place = folder.string();
-    far.try_emplace("HGROS_COMPONENT_PATH", test::Path("words_manifests"));
-    far.try_emplace("PATH", std::filesystem::path(test::Path("hgros")).parent_path().string() + ":/usr/bin:/bin");
-    std::string set;
-    for (const auto& [variable, value] : far) set += " \"" + variable + "=" + value + "\"";
-    std::ofstream(folder / "sshd_config")
-        << "ListenAddress 10.198.0.2\nHostKey " << place << "/host_key\nAuthorizedKeysFile " << place
-        << "/authorized_keys\nPidFile none\nUsePAM no\nStrictModes no\n"
-           "PermitRootLogin yes\nPasswordAuthentication no\nMaxStartups 100\nSetEnv"
-        << set << "\n";
-    std::ofstream(folder / "ssh_config") << "IdentityFile " << place << "/user_key\nIdentitiesOnly yes\n"
-                                         << "StrictHostKeyChecking yes\nGlobalKnownHostsFile none\nUserKnownHostsFile "
-                                         << place << "/known_hosts\n";
+    const std::string place = folder.path();
+    folder.Write("ssh_config", "IdentityFile " + place + "/user_key\nIdentitiesOnly yes\nStrictHostKeyChecking yes\n" +
+                                   "GlobalKnownHostsFile none\nUserKnownHostsFile " + place + "/known_hosts\n");
     std::filesystem::create_directory(folder / "bin");
-    std::ofstream(folder / "bin/ssh") << "#!/bin/sh\nexec /usr/bin/ssh -F " << place << "/ssh_config \"$@\"\n";
+    folder.Write("bin/ssh", "#!/bin/sh\nexec /usr/bin/ssh -F " + place + "/ssh_config \"$@\"\n");
     std::filesystem::permissions(folder / "bin/ssh", std::filesystem::perms::owner_all);
     path = (folder / "bin").string() + ":/usr/bin:/bin:/usr/sbin:/sbin";
     StartSshd();
@@ -102,22 +87,29 @@ class SshHost {
   ~SshHost() {
     // Also the processes of sshd whose connection is dead.
     for (const pid_t one : ProcessesOn(cable.right)) (void)kill(one, SIGKILL);
-    daemon_.reset();
-    std::filesystem::remove_all(folder);
   }
 
-  void StartSshd() {
-    daemon_ = std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", cable.right, "/usr/sbin/sshd",
-                                                                    "-D", "-e", "-f", folder / "sshd_config"},
-                                           std::map<std::string, std::string>{}, -1, "/sbin/ip");
+  /// `manifests`: the folder of the components on the base.
+  void StartSshd(const std::string& manifests = test::Path("words_manifests")) {
+    daemon_.reset();
+    const std::string place = folder.path();
+    const std::string config =
+        "ListenAddress 10.198.0.2\nHostKey " + place + "/host_key\nAuthorizedKeysFile " + place +
+        "/authorized_keys\nPidFile none\nUsePAM no\nStrictModes no\nPermitRootLogin yes\nPasswordAuthentication no\n"
+        "MaxStartups 100\nSetEnv \"HGROS_COMPONENT_PATH=" +
+        manifests + "\" \"PATH=" + std::filesystem::path(test::Path("hgros")).parent_path().string() +
+        ":/usr/bin:/bin\"\n";
+    daemon_ =
+        std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", cable.right, "/usr/sbin/sshd", "-D",
+                                                              "-e", "-f", folder.Write("sshd_config", config)},
+                                     std::map<std::string, std::string>{}, -1, "/sbin/ip");
     EXPECT_TRUE(test::Await([&] { return daemon_->err().find("Server listening") != std::string::npos; }))
         << daemon_->err();
   }
   void StopSshd() { daemon_.reset(); }
   /// The desk knows the base by this key only.
   void Trust(const std::string& public_key) const {
-    std::ifstream key(folder / public_key);
-    std::ofstream(folder / "known_hosts") << "10.198.0.2 " << key.rdbuf();
+    folder.Write("known_hosts", "10.198.0.2 " + folder.Read(public_key));
   }
   /// A command on the desk.
   [[nodiscard]] std::unique_ptr<CommandRun> OnDesk(const RobotFolder& robot, std::vector<std::string> words) const {
@@ -143,7 +135,7 @@ class SshHost {
 
   std::string missing;  // Why the test cannot run; empty: it can.
   const test::Cable cable;
-  std::filesystem::path folder;
+  const test::ScratchFolder folder;
   std::string path;  // PATH on the desk.
 
  private:
