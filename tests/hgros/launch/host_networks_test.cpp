@@ -1,16 +1,19 @@
 #include "launch/host_networks.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
 
 namespace hgros::cli {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kKey = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
 constexpr const char* kOtherKey = "Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID";
@@ -41,14 +44,6 @@ class HostNetworksTest : public testing::Test {
     for (std::size_t i = 0; i < descriptions_.size(); ++i) descriptions_[i].name = robot_.components[i].setup.name;
     return HostNetworks(robot_, RobotGraph(robot_, descriptions_));
   }
-  static std::string FaultOf(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return {};
-  }
 
   RobotFile robot_;
   std::vector<ComponentDescription> descriptions_;
@@ -56,10 +51,10 @@ class HostNetworksTest : public testing::Test {
 
 TEST_F(HostNetworksTest, HaveTheClockForProcessesThatFollowIt) {
   descriptions_[1].outputs.push_back({"clock", "clock", "hgros.SimulatedTime", {}});
-  EXPECT_EQ(Networks().at("mapper").find("clock"), std::string::npos) << "It has a clock of its own.";
+  EXPECT_THAT(Networks().at("mapper"), Not(HasSubstr("clock"))) << "It has a clock of its own.";
   robot_.processes[3].config.simulated_time = true;
-  EXPECT_NE(Networks().at("camera").find("[\"clock\", \"hgros/call/plan\", \"image\"]"), std::string::npos);
-  EXPECT_NE(Networks().at("mapper").find("5651\", channels: [\"clock\", "), std::string::npos);
+  EXPECT_THAT(Networks().at("camera"), HasSubstr("[\"clock\", \"hgros/call/plan\", \"image\"]"));
+  EXPECT_THAT(Networks().at("mapper"), HasSubstr("5651\", channels: [\"clock\", "));
 }
 
 TEST_F(HostNetworksTest, HaveExactlyTheChannelsThatTheOtherHostUses) {
@@ -74,6 +69,9 @@ TEST_F(HostNetworksTest, HaveExactlyTheChannelsThatTheOtherHostUses) {
                              "  publisher: {ip: \"tcp://*:6000\", channels: [\"hgros/call/plan\"]}\n"
                              "  subscribers:\n"
                              "    - {ip: \"tcp://10.0.0.1:5651\", channels: [\"hgros/call/plan\", \"image\"]}\n"}}));
+  const RobotGraph graph(robot_, descriptions_);
+  EXPECT_EQ(graph.SubscribersOf(robot_.processes[1]),
+            (std::map<std::string, std::size_t>{{"image", 1}, {"unused", 1}}));
 }
 
 TEST_F(HostNetworksTest, HaveTransformsBetweenComponentsThatUseThem) {
@@ -85,9 +83,8 @@ TEST_F(HostNetworksTest, HaveTransformsBetweenComponentsThatUseThem) {
             "  publisher: {ip: \"tcp://*:5652\", channels: [\"tf\", \"tf_static\"]}\n"
             "  subscribers:\n"
             "    - {ip: \"tcp://[fe80::2]:6000\", channels: [\"tf\", \"tf_static\"]}\n");
-  EXPECT_NE(Networks().at("mapper").find("{ip: \"tcp://10.0.0.1:5652\", channels: [\"tf\", \"tf_static\"]}"),
-            std::string::npos);
-  EXPECT_EQ(Networks().at("camera").find("tf"), std::string::npos);
+  EXPECT_THAT(Networks().at("mapper"), HasSubstr("{ip: \"tcp://10.0.0.1:5652\", channels: [\"tf\", \"tf_static\"]}"));
+  EXPECT_THAT(Networks().at("camera"), Not(HasSubstr("tf")));
 
   // What names the channels itself exchanges them with those.
   descriptions_[2].transforms = false;
@@ -99,12 +96,12 @@ TEST_F(HostNetworksTest, HaveTransformsBetweenComponentsThatUseThem) {
   RobotProgram& screen = robot_.programs.emplace_back();
   screen.name = "screen";
   screen.publishes = {"tf_static"};
-  EXPECT_NE(Networks().at("mapper").find("5653\", channels: [\"tf_static\"]"), std::string::npos);
+  EXPECT_THAT(Networks().at("mapper"), HasSubstr("5653\", channels: [\"tf_static\"]"));
 
   descriptions_[3].state = "x.S";  // The mapper may move to the camera's process.
-  EXPECT_EQ(Networks().at("camera").find("tf"), std::string::npos) << "Nothing there exchanges them with another host.";
+  EXPECT_THAT(Networks().at("camera"), Not(HasSubstr("tf"))) << "Nothing there exchanges them with another host.";
   Add("driver", "base").transforms = true;
-  EXPECT_NE(Networks().at("camera").find("\"tf\", \"tf_static\"]"), std::string::npos);
+  EXPECT_THAT(Networks().at("camera"), HasSubstr("\"tf\", \"tf_static\"]"));
 }
 
 TEST_F(HostNetworksTest, HaveTheKeysOfTheHosts) {
@@ -113,11 +110,9 @@ TEST_F(HostNetworksTest, HaveTheKeysOfTheHosts) {
   robot_.hosts[1].key = kOtherKey;
   robot_.hosts[1].secret_key_file = "/base.key";
   const std::string camera = Networks().at("camera");
-  EXPECT_NE(camera.find(std::string("  security:\n    public_key: \"") + kKey +
-                        "\"\n    secret_key_file: \"/cart.key\"\n    allowed_clients: [\"" + kOtherKey +
-                        "\"]\n    servers:\n      \"tcp://[fe80::2]:6000\": \"" + kOtherKey + "\"\n"),
-            std::string::npos)
-      << camera;
+  EXPECT_THAT(camera, HasSubstr(std::string("  security:\n    public_key: \"") + kKey +
+                                "\"\n    secret_key_file: \"/cart.key\"\n    allowed_clients: [\"" + kOtherKey +
+                                "\"]\n    servers:\n      \"tcp://[fe80::2]:6000\": \"" + kOtherKey + "\"\n"));
 }
 
 TEST_F(HostNetworksTest, FaultsOfAKeyFileHaveThePlaceOfTheHost) {
@@ -126,11 +121,9 @@ TEST_F(HostNetworksTest, FaultsOfAKeyFileHaveThePlaceOfTheHost) {
   robot_.hosts[0].secret_key_file = "/nowhere/cart.key";
   robot_.hosts[1].key = kOtherKey;
   robot_.hosts[1].secret_key_file = "/base.key";
-  const std::string fault = FaultOf([this] { (void)PartOfHost(robot_, "cart", Networks()); });
-  EXPECT_TRUE(
-      fault.starts_with("robot.yaml:3:5: hosts.cart.secret_key_file names \"/nowhere/cart.key\", which "
-                        "cannot be read"))
-      << fault;
+  EXPECT_THAT(test::ErrorOf([this] { (void)PartOfHost(robot_, "cart", Networks()); }),
+              testing::StartsWith("robot.yaml:3:5: hosts.cart.secret_key_file names \"/nowhere/cart.key\", which "
+                                  "cannot be read"));
 }
 
 TEST_F(HostNetworksTest, ProgramsHaveWhatTheySayThatTheyExchange) {
@@ -152,30 +145,24 @@ TEST_F(HostNetworksTest, ProgramsHaveWhatTheySayThatTheyExchange) {
             "  subscribers:\n"
             "    - {ip: \"tcp://10.0.0.1:5651\", channels: [\"image\", \"unused\"]}\n"
             "    - {ip: \"tcp://10.0.0.1:5653\", channels: [\"hgros/call/zoom\"]}\n");
-  EXPECT_NE(networks.at("camera").find("\"tcp://*:5651\", channels: [\"hgros/call/plan\", \"image\", \"unused\"]"),
-            std::string::npos);
-  EXPECT_NE(networks.at("zoomer").find("{ip: \"tcp://[fe80::2]:6001\", channels: [\"hgros/call/zoom\"]}"),
-            std::string::npos);
+  EXPECT_THAT(networks.at("camera"),
+              HasSubstr("\"tcp://*:5651\", channels: [\"hgros/call/plan\", \"image\", \"unused\"]"));
+  EXPECT_THAT(networks.at("zoomer"), HasSubstr("{ip: \"tcp://[fe80::2]:6001\", channels: [\"hgros/call/zoom\"]}"));
   EXPECT_EQ(PartOfHost(robot_, "base", networks).programs.back().env.at("HGROS_CONFIG"), networks.at("screen"));
   EXPECT_TRUE(PartOfHost(robot_, "", networks).programs.back().env.empty()) << "It does not run here.";
   descriptions_[1].state =
       "x.S";  // Where a component may move, the program must be reached, but nothing moves into it.
   const std::map<std::string, std::string> moving = Networks();
-  EXPECT_NE(moving.at("screen").find("\"tcp://10.0.0.1:5650\", channels: [\"hgros/control\", \"image\", \"unused\"]"),
-            std::string::npos)
-      << moving.at("screen");
-  EXPECT_EQ(moving.at("screen").find("\"plan\""), std::string::npos);
+  EXPECT_THAT(moving.at("screen"),
+              HasSubstr("\"tcp://10.0.0.1:5650\", channels: [\"hgros/control\", \"image\", \"unused\"]"));
+  EXPECT_THAT(moving.at("screen"), Not(HasSubstr("\"plan\"")));
   const RobotGraph graph(robot_, descriptions_);
   EXPECT_EQ(graph.SubscribersOf(robot_.processes[1]), (std::map<std::string, std::size_t>{{"image", 1}, {"unused", 1}}))
       << "It starts after the components, so they do not wait for it.";
 }
 
-TEST_F(HostNetworksTest, NeedTheHomeOnlyIfItIsReached) {
+TEST_F(HostNetworksTest, NeedNoHomeThatIsNotReached) {
   robot_.hosts[0].home = false;
-  EXPECT_NE(FaultOf([this] {
-              (void)Networks();
-            }).find("\"camera\" exchanges messages with another host, but no host is home."),
-            std::string::npos);
   robot_.processes[1].host = robot_.processes[2].host = "base";
   EXPECT_TRUE(Networks().empty());
 }
@@ -191,22 +178,6 @@ TEST_F(HostNetworksTest, AreAddedToThoseOfTheFile) {
   EXPECT_EQ(camera.publishers[1].endpoint, "tcp://*:7000");
   EXPECT_EQ(camera.subscribers.size(), 1U);
   EXPECT_TRUE(cart.FindProcess("alone")->config.publishers.empty());
-  robot_.processes[1].config.publishers = {{"tcp://*:5651", {}, true}};
-  EXPECT_NE(FaultOf([this] { (void)PartOfHost(robot_, "", Networks()); }).find("Set another `port` of the host."),
-            std::string::npos);
-}
-
-TEST_F(HostNetworksTest, CountTheSubscribersOfOtherHosts) {
-  (void)Networks();
-  const RobotGraph graph(robot_, descriptions_);
-  EXPECT_EQ(graph.SubscribersOf(robot_.processes[1]),
-            (std::map<std::string, std::size_t>{{"image", 1}, {"unused", 1}}));
-}
-
-TEST_F(HostNetworksTest, AHostThatIsNamedMustExist) {
-  EXPECT_EQ(FaultOf([this] { RequireHost(robot_, "base"); }), "");
-  EXPECT_EQ(FaultOf([this] { RequireHost(robot_, ""); }), "");
-  EXPECT_NE(FaultOf([this] { RequireHost(robot_, "bse"); }).find("Did you mean \"base\"?"), std::string::npos);
 }
 
 TEST_F(HostNetworksTest, WithoutAHostOnlyWhatRunsAtHomeGetsItsNetwork) {

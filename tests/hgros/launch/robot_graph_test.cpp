@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace hgros::cli {
@@ -123,19 +123,6 @@ TEST_F(RobotGraphTest, DoesNotWarnOfWhatMayComeFromOutside) {
   robot_.processes[1].config.subscribers.clear();
   robot_.programs.emplace_back().name = "pad";
   EXPECT_EQ(Findings().size(), 1U);
-}
-
-TEST_F(RobotGraphTest, WarnsOfOneEndWithTheNearestName) {
-  Add("a").outputs = {Channel("front/scan")};
-  Add("b").inputs = {Channel("front/scam")};
-  Add("c").calls = {{"plan", "plan", "x.A", "x.B"}};
-  const std::vector<std::string> findings = Findings();
-  ASSERT_EQ(findings.size(), 2U);
-  EXPECT_EQ(
-      findings[0],
-      "warning: robot.yaml:1:1: No component publishes the channel \"front/scam\", to which \"b\" subscribes. Did "
-      "you mean \"front/scan\"?");
-  EXPECT_EQ(findings[1], "warning: robot.yaml:1:1: No component serves \"plan\", which \"c\" calls.");
 }
 
 TEST_F(RobotGraphTest, FindsServicesThatDoNotFit) {

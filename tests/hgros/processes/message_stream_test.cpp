@@ -1,6 +1,5 @@
 #include "processes/message_stream.hpp"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -25,14 +24,12 @@ RunReport LineOf(std::string text) {
 
 class MessageStreamTest : public testing::Test {
  protected:
-  MessageStreamTest() {
+  MessageStreamTest() { Connect(); }
+  void Connect() {
     std::array<int, 2> sockets{};
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, sockets.data()), 0);
     writer_ = std::make_unique<MessageStream>(sockets[0]);
     reader_ = std::make_unique<MessageStream>(sockets[1]);
-  }
-  void SendRaw(const std::string& bytes) const {
-    ASSERT_EQ(write(writer_->descriptor(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
 
   std::unique_ptr<MessageStream> writer_;
@@ -84,28 +81,17 @@ TEST_F(MessageStreamTest, CarriesAnyBytes) {
   EXPECT_EQ(report.line().text(), std::string("\xfe\xff\0x", 4));
 }
 
-TEST_F(MessageStreamTest, EndsAtWhatIsNoMessage) {
-  SendRaw(std::string("\x02\0\0\0\xff\xff", 6));
-  RunReport report;
-  EXPECT_TRUE(reader_->Read());
-  EXPECT_FALSE(reader_->Next(report));
-  EXPECT_FALSE(reader_->Read());
-}
-
-TEST_F(MessageStreamTest, EndsAtASizeThatNoMessageHas) {
-  SendRaw("\xff\xff\xff\xff");
-  RunReport report;
-  EXPECT_TRUE(reader_->Read());
-  EXPECT_FALSE(reader_->Next(report));
-  EXPECT_FALSE(reader_->Read());
-}
-
-TEST_F(MessageStreamTest, WaitsForTheRestOfAMessage) {
-  SendRaw(std::string("\x04\0\0\0\x08", 5));
-  RunReport report;
-  EXPECT_TRUE(reader_->Read());
-  EXPECT_FALSE(reader_->Next(report));
-  EXPECT_TRUE(reader_->Read());
+TEST_F(MessageStreamTest, EndsAtWhatIsNoMessageButWaitsForTheRestOfOne) {
+  for (const auto& [bytes, waits] :
+       {std::pair(std::string("\x02\0\0\0\xff\xff", 6), false), std::pair(std::string("\xff\xff\xff\xff"), false),
+        std::pair(std::string("\x04\0\0\0\x08", 5), true)}) {
+    Connect();
+    ASSERT_EQ(write(writer_->descriptor(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    RunReport report;
+    EXPECT_TRUE(reader_->Read());
+    EXPECT_FALSE(reader_->Next(report));
+    EXPECT_EQ(reader_->Read(), waits);
+  }
 }
 
 }  // namespace

@@ -1,18 +1,35 @@
 #include "processes/unit_process.hpp"
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "processes/process_end.hpp"
 #include "support/await.hpp"
 
 namespace hgros::cli {
 namespace {
 
 using testing::ElementsAre;
+
+TEST(ProcessEnd, SaysHow) {
+  EXPECT_EQ(EndText(W_EXITCODE(3, 0)), "it ended with exit code 3");
+  EXPECT_EQ(EndText(W_EXITCODE(0, SIGSEGV)), "it was ended by SIGSEGV");
+  EXPECT_EQ(CoreText(W_EXITCODE(0, SIGSEGV), 7), "") << "It has left no core.";
+}
+
+TEST(ProcessEnd, NamesTheCoreFileAsTheKernelDoes) {
+  EXPECT_EQ(CoreName("core", false, 7, SIGSEGV), "core");
+  EXPECT_EQ(CoreName("core", true, 7, SIGSEGV), "core.7");
+  EXPECT_EQ(CoreName("/cores/%p-%s-%u%%", true, 7, SIGSEGV), "/cores/7-11-" + std::to_string(getuid()) + "%");
+  EXPECT_EQ(CoreName("core.%e.%t%", false, 7, SIGABRT), "core.*.*");
+}
 
 RobotUnit Named(const std::string& name) {
   RobotUnit unit;

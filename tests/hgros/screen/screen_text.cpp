@@ -52,14 +52,15 @@ void ScreenText::Scroll(int top, int lines) {
   }
 }
 
+void ScreenText::Down() {
+  if (y_ == bottom_) return Scroll(top_, 1);
+  y_ = std::min(y_ + 1, lines_ - 1);
+}
+
 void ScreenText::Put(std::string_view character) {
   if (x_ >= columns_) {  // The margin wraps when the next character comes.
     x_ = 0;
-    if (y_ == bottom_) {
-      Scroll(top_, 1);
-    } else {
-      y_ = std::min(y_ + 1, lines_ - 1);
-    }
+    Down();
   }
   last_ = std::string(character);
   line()[static_cast<std::size_t>(x_++)] = last_;
@@ -188,13 +189,7 @@ void ScreenText::Obey(std::string_view output) {
       if (byte == '\r') x_ = 0;
       if (byte == '\b') x_ = std::max(x_ - 1, 0);
       if (byte == '\t') x_ = std::min((x_ / 8 + 1) * 8, columns_ - 1);
-      if (byte == '\n') {
-        if (y_ == bottom_) {
-          Scroll(top_, 1);
-        } else {
-          y_ = std::min(y_ + 1, lines_ - 1);
-        }
-      }
+      if (byte == '\n') Down();
       if (byte >= 0x20 && byte != 0x7F) Put(std::string_view(pending_).substr(at, 1));
       ++at;
     }

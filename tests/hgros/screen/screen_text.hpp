@@ -33,6 +33,7 @@ class ScreenText {
   void Control(char final, const std::string& parameters);
   void Mode(const std::string& parameters, bool on);
   void Scroll(int top, int lines);  // Up if positive.
+  void Down();
   [[nodiscard]] std::vector<std::string>& line() { return cells_[static_cast<std::size_t>(y_)]; }
 
   int columns_;

@@ -9,15 +9,15 @@
 
 #include "arguments/command.hpp"
 #include "hgros/base/error.hpp"
-#include "hgros/proto_folder.hpp"
 #include "support/await.hpp"
+#include "support/scratch_folder.hpp"
 #include "terminal/pause.hpp"
 
 namespace hgros::cli {
 namespace {
 
 std::vector<std::string> LinesIn(const std::string& text, std::size_t most_bytes = 1 << 20) {
-  const ProtoFolder folder;
+  const test::ScratchFolder folder;
   Pause pause;
   LineReader reader(folder.Write("lines", text), most_bytes);
   std::vector<std::string> lines;

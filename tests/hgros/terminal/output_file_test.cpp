@@ -10,11 +10,10 @@
 
 #include <array>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
-#include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
+#include "support/scratch_folder.hpp"
 #include "terminal/console.hpp"
 
 namespace hgros::cli {
@@ -25,32 +24,17 @@ using testing::HasSubstr;
 
 class OutputFile : public testing::Test {
  protected:
-  OutputFile() {
-    std::string folder = fs::temp_directory_path() / "output-XXXXXX";
-    folder_ = mkdtemp(folder.data());
-  }
-  ~OutputFile() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string At(const char* name) const { return folder_ / name; }
-  [[nodiscard]] static std::string Read(const std::string& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
   // What writing says is wrong.
-  [[nodiscard]] std::string Fault(const std::string& file) {
-    try {
-      WriteTo(console_, file, "text");
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+  [[nodiscard]] std::string Fault(const char* name) {
+    return test::ErrorOf([&] { WriteTo(console_, At(name), "text"); });
   }
-  [[nodiscard]] static mode_t ModeOf(const std::string& file) {
+  [[nodiscard]] mode_t ModeOf(const char* name) const {
     struct stat status {};
-    return stat(file.c_str(), &status) == 0 ? status.st_mode & 07777 : 0;
+    return stat(At(name).c_str(), &status) == 0 ? status.st_mode & 07777 : 0;
   }
 
-  fs::path folder_;
+  const test::ScratchFolder folder_;
   Console console_;
 };
 
@@ -62,24 +46,24 @@ TEST_F(OutputFile, FollowsLinksAndLeavesThemLinks) {
     EXPECT_TRUE(fs::is_symlink(At("first")));
     EXPECT_TRUE(fs::is_symlink(At("second")));
     EXPECT_FALSE(fs::is_symlink(At("target")));
-    EXPECT_EQ(Read(At("target")), text);
+    EXPECT_EQ(folder_.Read("target"), text);
   }
 }
 
 TEST_F(OutputFile, SaysWhereALinkLeads) {
   fs::create_symlink("nowhere/target", At("link"));
-  EXPECT_THAT(Fault(At("link")), HasSubstr("is a symbolic link to " + At("nowhere/target") + ", whose folder is not"));
+  EXPECT_THAT(Fault("link"), HasSubstr("is a symbolic link to " + At("nowhere/target") + ", whose folder is not"));
   fs::create_symlink("circle", At("circle"));
-  EXPECT_THAT(Fault(At("circle")), HasSubstr("leads in a circle"));
+  EXPECT_THAT(Fault("circle"), HasSubstr("leads in a circle"));
 }
 
 TEST_F(OutputFile, HasTheModeOfTheUmaskOrAsBefore) {
   const mode_t before = umask(027);
   WriteTo(console_, At("new"), "text");
-  EXPECT_EQ(ModeOf(At("new")), 0640U);
+  EXPECT_EQ(ModeOf("new"), 0640U);
   EXPECT_EQ(chmod(At("new").c_str(), 0604), 0);
   WriteTo(console_, At("new"), "text");
-  EXPECT_EQ(ModeOf(At("new")), 0604U);
+  EXPECT_EQ(ModeOf("new"), 0604U);
   (void)umask(before);
 }
 

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,10 +65,20 @@ std::string Shown(const TopRow& row, std::string_view key) {
   return "no such column";
 }
 
-TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
+TEST(Activity, ShowsWhatItKnowsWithoutCountersThenOfOneSnapshotThenOfTheLastTwo) {
   Activity activity({}, false);
+  activity.Update({}, BusyChannels());
+  ASSERT_EQ(activity.Rows(TopKind::kSessions).size(), 1U);
+  EXPECT_TRUE(activity.Rows(TopKind::kSessions).front().silent);
+  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "cpu_percent"), "");
+  EXPECT_EQ(activity.Rows(TopKind::kSessions).front().cells.size(), TopColumns(TopKind::kSessions).size());
+
   AllCounters counters{{SessionId{1}, SnapshotAt(1000, 500)}};
   activity.Update(counters, BusyChannels());
+  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "cpu_percent"), "");
+  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "published_hz"), "19.8 Hz");
+  EXPECT_EQ(Shown(activity.Rows(TopKind::kNodes).front(), "rate_hz"), "");
+
   counters[SessionId{1}] = SnapshotAt(1002, 540);
   activity.Update(counters, BusyChannels());
 
@@ -101,14 +110,6 @@ TEST(Activity, ShowsDifferencesBetweenTheLastTwoSnapshots) {
   EXPECT_EQ(Shown(scan, "bytes_per_second"), "1.98 kB/s");
 }
 
-TEST(Activity, KnowsOnlyThePublishersOwnRateAfterOneSnapshot) {
-  Activity activity({}, false);
-  activity.Update({{SessionId{1}, SnapshotAt(1000, 500)}}, BusyChannels());
-  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "cpu_percent"), "");
-  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "published_hz"), "19.8 Hz");
-  EXPECT_EQ(Shown(activity.Rows(TopKind::kNodes).front(), "rate_hz"), "");
-}
-
 TEST(Activity, ShowsTheSameRateOfASlowChannelEachSecond) {
   Activity activity({}, false);
   std::uint64_t published = 0;
@@ -132,15 +133,6 @@ TEST(Activity, CallsASessionSilentWhenItsCountersStayTheSame) {
   activity.Update(counters, BusyChannels());
   EXPECT_TRUE(activity.Rows(TopKind::kSessions).front().silent);
   EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "published_hz"), "");
-}
-
-TEST(Activity, ListsASessionWithoutCounters) {
-  Activity activity({}, false);
-  activity.Update({}, BusyChannels());
-  ASSERT_EQ(activity.Rows(TopKind::kSessions).size(), 1U);
-  EXPECT_TRUE(activity.Rows(TopKind::kSessions).front().silent);
-  EXPECT_EQ(Shown(activity.Rows(TopKind::kSessions).front(), "cpu_percent"), "");
-  EXPECT_EQ(activity.Rows(TopKind::kSessions).front().cells.size(), TopColumns(TopKind::kSessions).size());
 }
 
 TEST(Activity, TellsNodesOfTheSameNameApart) {
