@@ -14,13 +14,6 @@ namespace {
 
 constexpr double kStepMeters = 0.5;
 
-void SetColor(foxglove::Color& color, const Eigen::Vector4d& rgba) {
-  color.set_r(rgba[0]);
-  color.set_g(rgba[1]);
-  color.set_b(rgba[2]);
-  color.set_a(rgba[3]);
-}
-
 /// The nearest wall along a ray in the plane: houses on both sides of a street that is 12 m wide and follows the
 /// robot's path, with a gap every 20 m.
 double Range(const RigidTransform& pose, double angle) {
@@ -34,23 +27,18 @@ double Range(const RigidTransform& pose, double angle) {
   return 60;
 }
 
-foxglove::SceneEntity& AddEntity(foxglove::SceneUpdate& update, const std::string& id, const std::string& frame,
-                                 std::int64_t stamp_ns) {
-  foxglove::SceneEntity& entity = *update.add_entities();
-  entity.set_id(id);
-  entity.set_frame_id(frame);
+foxglove::SceneEntity& AddStamped(foxglove::SceneUpdate& update, const std::string& id, const std::string& frame,
+                                  std::int64_t stamp_ns) {
+  foxglove::SceneEntity& entity = AddEntity(update, id, frame);
   SetStamp(*entity.mutable_timestamp(), stamp_ns);
   return entity;
 }
 
-/// Pose, size and color of a cube or similar shape.
 template <class Solid>
-void SetSolid(Solid& solid, const RigidTransform& pose, const Eigen::Vector3d& size, const Eigen::Vector4d& rgba) {
+void SetPlacedSolid(Solid& solid, const RigidTransform& pose, const Eigen::Vector3d& size,
+                    const Eigen::Vector4d& rgba) {
+  SetSolid(solid, Eigen::Vector3d::Zero(), size, rgba);
   SetPose(*solid.mutable_pose(), pose);
-  solid.mutable_size()->set_x(size.x());
-  solid.mutable_size()->set_y(size.y());
-  solid.mutable_size()->set_z(size.z());
-  SetColor(*solid.mutable_color(), rgba);
 }
 
 }  // namespace
@@ -112,29 +100,30 @@ foxglove::PosesInFrame TrajectoryUntil(std::size_t step, std::int64_t stamp_ns) 
 
 foxglove::SceneUpdate ThingsAt(std::size_t step, std::int64_t stamp_ns) {
   foxglove::SceneUpdate update;
-  foxglove::SceneEntity& robot = AddEntity(update, "robot", "base", stamp_ns);
+  foxglove::SceneEntity& robot = AddStamped(update, "robot", "base", stamp_ns);
   robot.set_frame_locked(true);
   robot.mutable_lifetime()->set_seconds(1);
-  SetSolid(*robot.add_cubes(), RigidTransform({1, 0, 0, 0}, {0, 0, 0.7}), {3, 1.6, 1.4}, {0.25, 0.5, 0.95, 0.8});
+  SetPlacedSolid(*robot.add_cubes(), RigidTransform({1, 0, 0, 0}, {0, 0, 0.7}), {3, 1.6, 1.4}, {0.25, 0.5, 0.95, 0.8});
   foxglove::ArrowPrimitive& ahead = *robot.add_arrows();
   SetPose(*ahead.mutable_pose(), RigidTransform({1, 0, 0, 0}, {2, 0, 0.7}));
   ahead.set_shaft_length(2);
   ahead.set_shaft_diameter(0.3);
   ahead.set_head_length(1);
   ahead.set_head_diameter(0.8);
-  SetColor(*ahead.mutable_color(), {0.95, 0.75, 0.1, 1});
+  SetColor(*ahead.mutable_color(), 0.95, 0.75, 0.1);
   foxglove::TextPrimitive& name = *robot.add_texts();
   SetPose(*name.mutable_pose(), RigidTransform({1, 0, 0, 0}, {0, 0, 2.4}));
   name.set_text("rover");
   name.set_font_size(1.2);
-  SetColor(*name.mutable_color(), {1, 0.9, 0.5, 1});
+  SetColor(*name.mutable_color(), 1, 0.9, 0.5);
   constexpr std::size_t kStepsBetween = 100;
   if (step % kStepsBetween == 0) {
-    foxglove::SceneEntity& post = AddEntity(update, "post " + std::to_string(step / kStepsBetween), "map", stamp_ns);
+    foxglove::SceneEntity& post = AddStamped(update, "post " + std::to_string(step / kStepsBetween), "map", stamp_ns);
     const RigidTransform foot = PoseAt(step);
-    SetSolid(*post.add_spheres(), foot * RigidTransform({1, 0, 0, 0}, {0, 3, 2}), {0.8, 0.8, 0.8}, {0.9, 0.25, 0.3, 1});
+    SetPlacedSolid(*post.add_spheres(), foot * RigidTransform({1, 0, 0, 0}, {0, 3, 2}), {0.8, 0.8, 0.8},
+                   {0.9, 0.25, 0.3, 1});
     auto& pole = *post.add_cylinders();
-    SetSolid(pole, foot * RigidTransform({1, 0, 0, 0}, {0, 3, 0.8}), {0.2, 0.2, 1.6}, {0.7, 0.7, 0.72, 1});
+    SetPlacedSolid(pole, foot * RigidTransform({1, 0, 0, 0}, {0, 3, 0.8}), {0.2, 0.2, 1.6}, {0.7, 0.7, 0.72, 1});
     pole.set_bottom_scale(1);
     pole.set_top_scale(1);
   }

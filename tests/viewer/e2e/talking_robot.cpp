@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <random>
 #include <string>
@@ -13,15 +14,14 @@
 #include "foxglove/Grid.pb.h"
 #include "foxglove/LaserScan.pb.h"
 #include "foxglove/Log.pb.h"
-#include "foxglove/PointCloud.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
 #include "foxglove/RawImage.pb.h"
-#include "foxglove/SceneUpdate.pb.h"
 #include "foxglove/VoxelGrid.pb.h"
 #include "hgros/clock/rate.hpp"
 #include "hgros/codec/custom_codec.hpp"
 #include "hgros/session/session.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace {
 
@@ -49,15 +49,11 @@ struct hgros::CustomCodec<Broken<T>> {
 namespace {
 
 using namespace hgros;
-
-void SetStamp(google::protobuf::Timestamp& stamp, Time time) {
-  stamp.set_seconds(time.nanoseconds / 1'000'000'000);
-  stamp.set_nanos(static_cast<std::int32_t>(time.nanoseconds % 1'000'000'000));
-}
+using viewer::test::SetStamp;
 
 foxglove::Log LineAt(std::size_t step, Time now) {
   foxglove::Log log;
-  SetStamp(*log.mutable_timestamp(), now);
+  SetStamp(*log.mutable_timestamp(), now.nanoseconds);
   log.set_name(step % 3 == 0 ? "planner" : "driver");
   log.set_file("src/drive.cpp");
   log.set_line(static_cast<std::uint32_t>(10 + step % 90));
@@ -78,20 +74,22 @@ foxglove::PoseInFrame PoseAt(std::size_t step, double hz, Time now) {
   const double t = static_cast<double>(step) / hz;
   foxglove::PoseInFrame pose;
   pose.set_frame_id("map");
-  SetStamp(*pose.mutable_timestamp(), now);
-  pose.mutable_pose()->mutable_position()->set_x(4 * std::cos(0.5 * t));
-  pose.mutable_pose()->mutable_position()->set_y(4 * std::sin(0.5 * t));
-  pose.mutable_pose()->mutable_position()->set_z(0.2 * std::sin(6 * t));
-  pose.mutable_pose()->mutable_orientation()->set_w(1);
+  SetStamp(*pose.mutable_timestamp(), now.nanoseconds);
+  viewer::test::SetPose(
+      *pose.mutable_pose(),
+      RigidTransform({1, 0, 0, 0}, {4 * std::cos(0.5 * t), 4 * std::sin(0.5 * t), 0.2 * std::sin(6 * t)}));
   return pose;
 }
 
+/// Publishes such bytes, each time others.
 template <class T>
-std::unique_ptr<Broken<T>> BrokenBytes(std::mt19937& random) {
-  auto broken = std::make_unique<Broken<T>>();
-  broken->bytes.resize(random() % 200);
-  for (char& byte : broken->bytes) byte = static_cast<char>(random() & 255U);
-  return broken;
+std::function<void()> BreakerOf(Session& session, const std::string& channel, std::mt19937& random) {
+  return [publish = std::make_shared<Publisher<Broken<T>>>(session.Advertise<Broken<T>>(channel)), &random] {
+    auto broken = std::make_unique<Broken<T>>();
+    broken->bytes.resize(random() % 200);
+    for (char& byte : broken->bytes) byte = static_cast<char>(random() & 255U);
+    (*publish)(std::move(broken));
+  };
 }
 
 }  // namespace
@@ -111,33 +109,25 @@ int main(int argc, char** argv) {
   auto log = driver.Advertise<foxglove::Log>("log");
   auto odometry = driver.Advertise<foxglove::PoseInFrame>("odometry");
   auto goal = planner.Advertise<foxglove::PoseInFrame>("goal");
-  auto broken_cloud = driver.Advertise<Broken<foxglove::PointCloud>>("broken_cloud");
-  auto broken_scan = driver.Advertise<Broken<foxglove::LaserScan>>("broken_scan");
-  auto broken_way = driver.Advertise<Broken<foxglove::PosesInFrame>>("broken_way");
-  auto broken_log = planner.Advertise<Broken<foxglove::Log>>("broken_log");
-  auto broken_grid = driver.Advertise<Broken<foxglove::Grid>>("broken_grid");
-  auto broken_voxels = driver.Advertise<Broken<foxglove::VoxelGrid>>("broken_voxels");
-  auto broken_scene = driver.Advertise<Broken<foxglove::SceneUpdate>>("broken_scene");
-  auto broken_image = driver.Advertise<Broken<foxglove::RawImage>>("broken_image");
-  auto broken_photo = driver.Advertise<Broken<foxglove::CompressedImage>>("broken_photo");
-  auto broken_pose = driver.Advertise<Broken<foxglove::PoseInFrame>>("broken_pose");
   std::mt19937 random(5);
+  const std::vector<std::function<void()>> breakers = {
+      BreakerOf<foxglove::PointCloud>(driver, "broken_cloud", random),
+      BreakerOf<foxglove::LaserScan>(driver, "broken_scan", random),
+      BreakerOf<foxglove::PosesInFrame>(driver, "broken_way", random),
+      BreakerOf<foxglove::Log>(planner, "broken_log", random),
+      BreakerOf<foxglove::Grid>(driver, "broken_grid", random),
+      BreakerOf<foxglove::VoxelGrid>(driver, "broken_voxels", random),
+      BreakerOf<foxglove::SceneUpdate>(driver, "broken_scene", random),
+      BreakerOf<foxglove::RawImage>(driver, "broken_image", random),
+      BreakerOf<foxglove::CompressedImage>(driver, "broken_photo", random),
+      BreakerOf<foxglove::PoseInFrame>(driver, "broken_pose", random)};
   Rate rate(driver.clock(), Duration(static_cast<std::int64_t>(1e9 / hz)));
   for (std::size_t step = 0; step < steps; ++step) {
     const Time now = WallNow();
     log(LineAt(step, now));
     odometry(PoseAt(step, hz, now));
     if (step % 10 == 0) goal(PoseAt(step + 40, hz, now));
-    broken_cloud(BrokenBytes<foxglove::PointCloud>(random));
-    broken_scan(BrokenBytes<foxglove::LaserScan>(random));
-    broken_way(BrokenBytes<foxglove::PosesInFrame>(random));
-    broken_log(BrokenBytes<foxglove::Log>(random));
-    broken_grid(BrokenBytes<foxglove::Grid>(random));
-    broken_voxels(BrokenBytes<foxglove::VoxelGrid>(random));
-    broken_scene(BrokenBytes<foxglove::SceneUpdate>(random));
-    broken_image(BrokenBytes<foxglove::RawImage>(random));
-    broken_photo(BrokenBytes<foxglove::CompressedImage>(random));
-    broken_pose(BrokenBytes<foxglove::PoseInFrame>(random));
+    for (const auto& publish_broken : breakers) publish_broken();
     (void)rate.Sleep();
   }
   return 0;

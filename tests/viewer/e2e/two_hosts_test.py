@@ -1,14 +1,12 @@
 """The paper's second use case: the robot on one host, hgros-viewer on another, each with a network file only."""
 
-import os
 import pathlib
 import shutil
 import subprocess
 import unittest
 
-from viewer_test import VIEWER, ViewerCase, colorful
+from viewer_test import PUBLISHER, ViewerCase, colorful
 
-ROBOT = os.environ["HGROS_VIEWER_ROBOT"]
 ROBOT_ADDRESS, DESK_ADDRESS = "10.112.0.1", "10.112.0.2"
 ROBOT_FILE = """network:
   publisher: {ip: "tcp://*:5553", channels: [lidar_visual_channel, re_optimized_poses, tf, tf_static]}
@@ -70,30 +68,29 @@ class OnAnotherHost(ViewerCase):
         path.write_text(text, encoding="utf-8")
         return path
 
+    def start_robot(self):
+        return self.start(*self.robot.inside, PUBLISHER, 20, 3000, 100_000, self.file("robot.yaml", ROBOT_FILE))
+
     def test_shows_the_robot_that_its_network_file_names(self):
-        picture = self.picture()
-        viewer = self.start(*self.desk.inside, VIEWER, "--network", self.file("desk.yaml", DESK_FILE), "--offscreen", "320x240",
-                            "--no-panels", "--screenshot", picture, "--frames", 80, "--show-all", "--report", "0.1",
-                            "--channel", "lidar_visual_channel,keep=all", "--channel", "re_optimized_poses,style=both")
-        self.start(*self.robot.inside, ROBOT, self.file("robot.yaml", ROBOT_FILE))
+        viewer = self.start_for_picture(80, "--network", self.file("desk.yaml", DESK_FILE), "--show-all", "--report", "0.1",
+                                        "--channel", "lidar_visual_channel,keep=all",
+                                        "--channel", "re_optimized_poses,style=both", inside=self.desk.inside)
+        self.start_robot()
         self.read_until(viewer, lambda figures: float(figures["points"]) > 6000)
         self.end(viewer)
-        self.assertGreater(colorful(picture), 0.02)
+        self.assertGreater(colorful(self.picture()), 0.02)
 
     def test_goes_on_when_the_robot_was_killed_and_comes_again(self):
-        picture = self.picture()
-        viewer = self.start(*self.desk.inside, VIEWER, "--network", self.file("desk.yaml", DESK_FILE), "--offscreen", "320x240",
-                            "--no-panels", "--screenshot", picture, "--frames", 120, "--show-all", "--report", "0.1",
-                            "--channel", "lidar_visual_channel,keep=all")
-        file = self.file("robot.yaml", ROBOT_FILE)
-        robot = self.start(*self.robot.inside, ROBOT, file)
+        viewer = self.start_for_picture(120, "--network", self.file("desk.yaml", DESK_FILE), "--show-all", "--report", "0.1",
+                                        "--channel", "lidar_visual_channel,keep=all", inside=self.desk.inside)
+        robot = self.start_robot()
         first = self.read_until(viewer, lambda figures: float(figures["points"]) > 6000)
         robot.kill()
         robot.wait()
-        self.start(*self.robot.inside, ROBOT, file)
+        self.start_robot()
         self.read_until(viewer, lambda figures: float(figures["points"]) > float(first["points"]) + 6000)
         self.end(viewer)
-        self.assertGreater(colorful(picture), 0.02)
+        self.assertGreater(colorful(self.picture()), 0.02)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Runs hgros-viewer as a user does, next to a robot that publishes: without a window, or on a virtual screen."""
 
+import ctypes
 import os
 import pathlib
 import re
@@ -11,8 +12,6 @@ import time
 import unittest
 import zlib
 
-from window_closing import ask_to_close
-
 VIEWER = os.environ["HGROS_VIEWER"]
 PUBLISHER = os.environ["HGROS_VIEWER_PUBLISHER"]
 TALKER = os.environ["HGROS_VIEWER_TALKER"]
@@ -20,6 +19,13 @@ CAMERAS = os.environ["HGROS_VIEWER_CAMERAS"]
 SLAM2D = os.environ.get("SLAM2D", "")  # The command that runs the robot file.
 SLAM2D_ROBOT = os.environ.get("SLAM2D_ROBOT", "")
 DEADLINE_S = float(os.environ.get("HGROS_VIEWER_DEADLINE_S", "60"))
+
+# What a PNG subtracts from each byte, by the mode of the row: from the bytes to the left, above, and between these.
+GUESSES = (lambda left, above, corner: 0,
+           lambda left, above, corner: left,
+           lambda left, above, corner: above,
+           lambda left, above, corner: (left + above) // 2,
+           lambda left, above, corner: min((left, above, corner), key=lambda near: abs(left + above - corner - near)))
 
 
 def pixels(path):
@@ -37,23 +43,10 @@ def pixels(path):
     width, height = size
     raw, stride, rows, above = zlib.decompress(packed), 3 * width, [], bytes(3 * width)
     for y in range(height):
-        mode, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        guess, line = GUESSES[raw[y * (stride + 1)]], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
         for x in range(stride):
-            left = line[x - 3] if x >= 3 else 0
-            corner = above[x - 3] if x >= 3 else 0
-            if mode == 1:
-                guess = left
-            elif mode == 2:
-                guess = above[x]
-            elif mode == 3:
-                guess = (left + above[x]) // 2
-            elif mode == 4:
-                estimate = left + above[x] - corner
-                guess = min((abs(estimate - left), 0, left), (abs(estimate - above[x]), 1, above[x]),
-                            (abs(estimate - corner), 2, corner))[2]
-            else:
-                guess = 0
-            line[x] = (line[x] + guess) & 255
+            left, corner = (line[x - 3], above[x - 3]) if x >= 3 else (0, 0)
+            line[x] = (line[x] + guess(left, above[x], corner)) & 255
         above = bytes(line)
         rows.append(above)
     return width, height, rows
@@ -94,8 +87,17 @@ class ViewerCase(unittest.TestCase):
     def end(self, process):
         self.assertEqual(process.wait(timeout=DEADLINE_S), 0, process.stderr.read())
 
+    def stop(self, viewer):
+        viewer.send_signal(signal.SIGTERM)
+        self.end(viewer)
+
     def picture(self):
         return pathlib.Path(self.folder.name, "picture.png")
+
+    def start_for_picture(self, frames, *arguments, inside=()):
+        """A viewer that writes the picture at its end."""
+        return self.start(*inside, VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", self.picture(),
+                          "--frames", frames, *arguments)
 
     def read_until(self, viewer, wanted):
         deadline = time.monotonic() + DEADLINE_S
@@ -114,25 +116,16 @@ class ViewerCase(unittest.TestCase):
 
 
 class InMemory(ViewerCase):
-    def test_shows_what_another_process_publishes(self):
-        picture = self.picture()
-        viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 20,
-                            "--show-all", "--channel", "cloud:foxglove.PointCloud,keep=all",
-                            "--channel", "trajectory:foxglove.PosesInFrame")
-        self.start(PUBLISHER, 20, 2000, 1000)
-        self.end(viewer)
-        self.assertGreater(colorful(picture), 0.02)
-
-    def test_shows_by_itself_what_it_finds(self):
-        for arguments in ([], ["--channel", "cloud,keep=all"]):
+    def test_shows_what_it_is_told_and_by_itself_what_it_finds(self):
+        for arguments, frames, share in ((["--channel", "cloud:foxglove.PointCloud,keep=all",
+                                           "--channel", "trajectory:foxglove.PosesInFrame"], 20, 0.02),
+                                         ([], 60, 0.005), (["--channel", "cloud,keep=all"], 60, 0.005)):
             with self.subTest(arguments=arguments):
-                picture = self.picture()
-                viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 60,
-                                    "--show-all", "--report", "0.1", *arguments)
+                viewer = self.start_for_picture(frames, "--show-all", "--report", "0.1", *arguments)
                 publisher = self.start(PUBLISHER, 20, 2000, 1000)
                 self.read_until(viewer, lambda figures: float(figures["points"]) > 0)
                 self.end(viewer)
-                self.assertGreater(colorful(picture), 0.005)
+                self.assertGreater(colorful(self.picture()), share)
                 publisher.kill()
                 publisher.wait()
 
@@ -140,39 +133,33 @@ class InMemory(ViewerCase):
         robot = pathlib.Path(self.folder.name, "robot.urdf")
         robot.write_text('<robot name="r"><link name="base"><visual><geometry><box size="6 3 2"/></geometry>'
                          '<material name="m"><color rgba="1 0.4 0 1"/></material></visual></link></robot>')
-        picture = self.picture()
-        viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 20,
-                            "--follow", "base", "--channel", "cloud,color=flat", "--display", f"Robot model,file={robot}")
+        viewer = self.start_for_picture(20, "--follow", "base", "--channel", "cloud,color=flat",
+                                        "--display", f"Robot model,file={robot}")
         self.start(PUBLISHER, 20, 100, 1000)
         self.end(viewer)
-        self.assertGreater(colorful(picture), 0.005)
+        self.assertGreater(colorful(self.picture()), 0.005)
 
-    def test_says_that_a_channel_carries_another_type(self):
-        viewer = self.start(VIEWER, "--offscreen", "64x64", "--channel", "cloud:foxglove.Grid")
-        self.start(PUBLISHER, 20, 100, 1000)
-        self.assertIn('"cloud" carries foxglove.PointCloud; a Grid shows foxglove.Grid.',
-                      self.line_with(viewer, "carries"))
-        viewer.send_signal(signal.SIGTERM)
-        viewer.wait(timeout=DEADLINE_S)
-
-    def test_says_that_a_channel_has_no_display(self):
-        viewer = self.start(VIEWER, "--offscreen", "64x64", "--channel", "log")
-        self.start(TALKER, 1000, 30)
-        self.assertIn('No display shows "log", which carries foxglove.Log.', self.line_with(viewer, "No display"))
-        viewer.send_signal(signal.SIGTERM)
-        viewer.wait(timeout=DEADLINE_S)
+    def test_says_that_a_channel_carries_another_type_or_has_no_display(self):
+        for channel, publisher, words, sentence in (
+                ("cloud:foxglove.Grid", (PUBLISHER, 20, 100, 1000), "carries",
+                 '"cloud" carries foxglove.PointCloud; a Grid shows foxglove.Grid.'),
+                ("log", (TALKER, 1000, 30), "No display", 'No display shows "log", which carries foxglove.Log.')):
+            with self.subTest(channel=channel):
+                viewer = self.start(VIEWER, "--offscreen", "64x64", "--channel", channel)
+                self.start(*publisher)
+                self.assertIn(sentence, self.line_with(viewer, words))
+                viewer.send_signal(signal.SIGTERM)
+                viewer.wait(timeout=DEADLINE_S)
 
     def test_goes_on_when_the_publisher_was_killed_and_comes_again(self):
-        picture = self.picture()
-        viewer = self.start(VIEWER, "--offscreen", "320x240", "--no-panels", "--screenshot", picture, "--frames", 60,
-                            "--channel", "cloud:foxglove.PointCloud", "--report", "0.1")
+        viewer = self.start_for_picture(60, "--channel", "cloud:foxglove.PointCloud", "--report", "0.1")
         publisher = self.start(PUBLISHER, 20, 2000, 1000)
         self.read_until(viewer, lambda figures: float(figures["points"]) > 0)
         publisher.kill()
         publisher.wait()
         self.start(PUBLISHER, 20, 2000, 1000)
         self.end(viewer)
-        self.assertGreater(colorful(picture), 0.005)
+        self.assertGreater(colorful(self.picture()), 0.005)
 
     def test_writes_a_layout_that_it_reads_again(self):
         layout = pathlib.Path(self.folder.name, "layout.yaml")
@@ -220,8 +207,7 @@ class InMemory(ViewerCase):
         later = self.read_until(viewer, lambda figures: float(figures["frames"]) > float(first["frames"]) + 5)
         self.assertEqual(float(later["points"]), 1_000_000)
         self.assertLess(float(later["rss_mb"]), 1000)
-        viewer.send_signal(signal.SIGTERM)
-        self.end(viewer)
+        self.stop(viewer)
 
     def test_draws_nothing_while_nothing_changes(self):
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.2", "--panel", "Log", "--panel", "Message",
@@ -235,8 +221,7 @@ class InMemory(ViewerCase):
             return float(figures["frames"]) > 0 and float(figures["seconds"]) > float(last["seconds"]) + 1.5
 
         self.read_until(viewer, still)
-        viewer.send_signal(signal.SIGTERM)
-        self.end(viewer)
+        self.stop(viewer)
 
     def test_ends_by_saying_what_was_asked_for_and_never_came(self):
         robot = pathlib.Path(self.folder.name, "broken.urdf")
@@ -286,8 +271,7 @@ class InMemory(ViewerCase):
         # The message, its picture, the driver's copy of that, the texture, and the next message with its picture: each
         # pixel is one byte there.
         self.assertLess(float(shown["rss_mb"]) - float(empty["rss_mb"]), 7 * 64)
-        viewer.send_signal(signal.SIGTERM)
-        self.end(viewer)
+        self.stop(viewer)
 
     @unittest.skipUnless(SLAM2D, "The demo is not built.")
     def test_shows_every_channel_of_the_demo_without_an_error(self):
@@ -327,6 +311,37 @@ class InMemory(ViewerCase):
                 self.assertIn(words, viewer.stderr.read())
 
 
+class ClientMessage(ctypes.Structure):
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong),
+                ("format", ctypes.c_int), ("data", ctypes.c_long * 5)]
+
+
+class Event(ctypes.Union):
+    _fields_ = [("message", ClientMessage), ("room", ctypes.c_long * 24)]
+
+
+def ask_to_close(screen, window):
+    """Asks a window of an X screen to close, as a window manager does when a user clicks its close button."""
+    x11 = ctypes.CDLL("libX11.so.6")
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    x11.XInternAtom.restype = ctypes.c_ulong
+    x11.XInternAtom.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int]
+    x11.XSendEvent.argtypes = [ctypes.c_void_p, ctypes.c_ulong, ctypes.c_int, ctypes.c_long, ctypes.c_void_p]
+    x11.XCloseDisplay.argtypes = [ctypes.c_void_p]
+    display = x11.XOpenDisplay(screen.encode())
+    if not display:
+        raise OSError(f"The screen {screen} cannot be reached.")
+    event = Event()
+    event.message.type = 33  # ClientMessage in X.h
+    event.message.window = window
+    event.message.message_type = x11.XInternAtom(display, b"WM_PROTOCOLS", False)
+    event.message.format = 32
+    event.message.data[0] = x11.XInternAtom(display, b"WM_DELETE_WINDOW", False)
+    x11.XSendEvent(display, window, False, 0, ctypes.byref(event))
+    x11.XCloseDisplay(display)  # Sends what waits.
+
+
 class InAWindow(ViewerCase):
     """On a virtual screen, with mouse and keys."""
 
@@ -347,14 +362,22 @@ class InAWindow(ViewerCase):
         return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, check=True, timeout=DEADLINE_S,
                               stdout=subprocess.PIPE, text=True).stdout
 
+    def open(self, size, *arguments, **options):
+        """A viewer in a window that has drawn, and the window."""
+        viewer = self.start(VIEWER, "--size", size, "--report", "0.1", *arguments, **options)
+        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
+        self.read_until(viewer, lambda figures: float(figures["frames"]) >= 3)
+        return viewer, window
+
     def await_pictures(self, viewer, count):
         drawn = float(self.read_until(viewer, lambda figures: True)["frames"])
         self.read_until(viewer, lambda figures: float(figures["frames"]) >= drawn + count)
 
-    def test_turns_zooms_and_takes_another_size(self):
-        viewer = self.start(VIEWER, "--size", "640x480", "--report", "0.1")
-        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
-        idle = self.read_until(viewer, lambda figures: float(figures["frames"]) >= 3)
+    def test_turns_zooms_takes_another_size_and_never_replaces_a_layout_that_it_has_not_read(self):
+        layout, other = (pathlib.Path(self.folder.name, name) for name in ("hgros-viewer.yaml", "hgros-viewer-2.yaml"))
+        layout.write_text("# mine\n")
+        viewer, window = self.open("640x480", cwd=self.folder.name)
+        idle = self.read_until(viewer, lambda figures: True)
         self.do("mousemove", "--window", window, 400, 300, "mousedown", 1, "mousemove", "--window", window, 460, 330,
                 "mouseup", 1, "click", 4, "click", 5)
         self.do("windowfocus", "--sync", window, "key", "F1")
@@ -362,15 +385,18 @@ class InAWindow(ViewerCase):
         turned = self.read_until(viewer, lambda figures: True)
         self.do("windowsize", window, 300, 200)
         self.read_until(viewer, lambda figures: float(figures["frames"]) > float(turned["frames"]))
-        viewer.send_signal(signal.SIGTERM)
-        self.end(viewer)
+        self.do("key", "l")
+        self.read_until(viewer, lambda figures: other.exists())
+        self.do("key", "4", "key", "l")
+        self.read_until(viewer, lambda figures: "kind: Plot" in other.read_text())
+        self.assertEqual(layout.read_text(), "# mine\n")
+        self.stop(viewer)
 
     def test_opens_panels_picks_stands_still_and_writes_what_it_shows(self):
         layout = pathlib.Path(self.folder.name, "layout.yaml")
         layout.write_text("panels: [{kind: Graph, place: [300, 220, 340, 240]}]\n")
         given = layout.read_text()
-        viewer = self.start(VIEWER, "--size", "760x560", "--report", "0.1", "--config", layout, cwd=self.folder.name)
-        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
+        viewer, window = self.open("760x560", "--config", layout, cwd=self.folder.name)
         self.start(TALKER, 2000, 20)
         self.read_until(viewer, lambda figures: float(figures["frames"]) >= 10)
         self.do("windowfocus", "--sync", window, "key", "1", "key", "4", "key", "2", "key", "2")
@@ -397,29 +423,12 @@ class InAWindow(ViewerCase):
         self.do("key", "p", "key", "p", "windowsize", window, 400, 300)
         self.await_pictures(viewer, 3)
         self.do("windowsize", window, 1, 1)
-        viewer.send_signal(signal.SIGTERM)
-        self.end(viewer)
-
-    def test_never_replaces_a_layout_that_it_has_not_read(self):
-        layout, other = (pathlib.Path(self.folder.name, name) for name in ("hgros-viewer.yaml", "hgros-viewer-2.yaml"))
-        layout.write_text("# mine\n")
-        viewer = self.start(VIEWER, "--size", "640x480", "--report", "0.1", cwd=self.folder.name)
-        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
-        self.read_until(viewer, lambda figures: float(figures["frames"]) >= 3)
-        self.do("windowfocus", "--sync", window, "key", "l")
-        self.read_until(viewer, lambda figures: other.exists())
-        self.do("key", "4", "key", "l")
-        self.read_until(viewer, lambda figures: "kind: Plot" in other.read_text())
-        self.assertEqual(layout.read_text(), "# mine\n")
-        viewer.send_signal(signal.SIGTERM)
-        self.end(viewer)
+        self.stop(viewer)
 
     def test_ends_and_keeps_its_layout_when_its_window_is_closed(self):
         layout = pathlib.Path(self.folder.name, "layout.yaml")
         layout.write_text("save_on_exit: true\nfixed_frame: map\n")
-        viewer = self.start(VIEWER, "--size", "640x480", "--report", "0.1", "--config", layout)
-        window = self.do("search", "--sync", "--name", "^hgros-viewer$").split()[0]
-        self.read_until(viewer, lambda figures: float(figures["frames"]) >= 3)
+        viewer, window = self.open("640x480", "--config", layout)
         self.assertNotIn("camera", layout.read_text())
         ask_to_close(self.environment["DISPLAY"], int(window))
         self.end(viewer)
