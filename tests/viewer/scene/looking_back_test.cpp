@@ -6,26 +6,26 @@
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
+#include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
 namespace hgros::viewer::test {
 namespace {
 
-foxglove::PointCloud PointAt(double x) {
+foxglove::PointCloud PointOnX(double x) {
   foxglove::PointCloud cloud;
   cloud.set_frame_id("map");
-  cloud.set_point_stride(24);
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z"}) {
-    auto* const field = cloud.add_fields();
-    field->set_name(name);
-    field->set_offset(offset);
-    field->set_type(foxglove::PackedElementField::FLOAT64);
-    offset += 8;
-  }
+  for (const char* name : {"x", "y", "z"}) AddPointField(cloud, name, foxglove::PackedElementField::FLOAT64, 8);
   const double at[] = {x, 0, 0};
   cloud.mutable_data()->assign(reinterpret_cast<const char*>(at), sizeof at);  // NOLINT: bytes are bytes
   return cloud;
+}
+
+foxglove::PoseInFrame PoseOnX(double x) {
+  foxglove::PoseInFrame pose;
+  pose.set_frame_id("map");
+  SetPose(*pose.mutable_pose(), RigidTransform({1, 0, 0, 0}, {x, 0, 0}));
+  return pose;
 }
 
 /// Number of pixels that are not background.
@@ -39,10 +39,7 @@ class LookingBackTest : public SceneTest {};
 
 TEST_F(LookingBackTest, ShowsThePointsOfThatTime) {
   Add("Point cloud", "cloud", {"keep", "time", "seconds", "60", "color", "flat", "size", "4"});
-  for (int second = 0; second < 5; ++second) {
-    Publish("cloud", PointAt(second - 2));
-    Update(second);
-  }
+  for (int second = 0; second < 5; ++second) Send("cloud", PointOnX(second - 2), second);
   EXPECT_EQ(scene_.oldest_s(), 0);
   const std::size_t all = Drawn(Draw());
   scene_.LookBack(4, 2.5);
@@ -60,7 +57,7 @@ TEST_F(LookingBackTest, CountsDroppedMessagesOfCurrentDisplays) {
   Add("Point cloud", "other");
   const auto flood = [&](const std::string& channel, int count) {
     for (int i = 0; i < count; ++i) {
-      Publish(channel, PointAt(0));
+      Publish(channel, PointOnX(0));
       ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10))) << "no message is dropped on its way";
     }
   };
@@ -79,14 +76,7 @@ TEST_F(LookingBackTest, CountsDroppedMessagesOfCurrentDisplays) {
 
 TEST_F(LookingBackTest, ShowsThePosesOfThatTime) {
   Display& trail = Add("Pose", "pose", {"trail", "100", "style", "line"});
-  for (int second = 0; second < 5; ++second) {
-    foxglove::PoseInFrame pose;
-    pose.set_frame_id("map");
-    pose.mutable_pose()->mutable_position()->set_x(2 * second - 4);
-    pose.mutable_pose()->mutable_orientation()->set_w(1);
-    Publish("pose", pose);
-    Update(second);
-  }
+  for (int second = 0; second < 5; ++second) Send("pose", PoseOnX(2 * second - 4), second);
   EXPECT_EQ(trail.oldest_s(), 0);
   const std::size_t all = Drawn(Draw());
   scene_.LookBack(4, 2);
@@ -102,10 +92,7 @@ TEST_F(LookingBackTest, ShowsThePosesOfThatTime) {
 TEST_F(LookingBackTest, ForgetsTimesOfRemovedPoses) {
   Display& trail = Add("Pose", "pose", {"trail", "3"});
   for (int second = 0; second < 10; ++second) {
-    foxglove::PoseInFrame pose;
-    pose.mutable_pose()->mutable_position()->set_x(second);
-    Publish("pose", pose);
-    Update(second);
+    Send("pose", PoseOnX(second), second);
     EXPECT_EQ(trail.oldest_s(), std::max(0, second - 2));
   }
 }
@@ -117,8 +104,7 @@ TEST_F(LookingBackTest, ContinuesWithNewMessages) {
   for (int second = 0; second < 6; ++second) {
     way.add_poses()->mutable_position()->set_x(2 * second - 5);
     if (second == 5) scene_.LookBack(4, 3);
-    Publish("way", way);
-    Update(second);
+    Send("way", way, second);
     (void)Draw();
   }
   const Pixels grown = Draw();
@@ -129,10 +115,7 @@ TEST_F(LookingBackTest, ContinuesWithNewMessages) {
 
 TEST_F(LookingBackTest, ShowsPastPlacesOfFrames) {
   Display& frames = Add("Frames");
-  for (int second = 1; second <= 5; ++second) {
-    const Time stamp{second * 1'000'000'000LL};
-    (void)tree_.Set("map", "base", stamp, RigidTransform({1, 0, 0, 0}, {static_cast<double>(second), 0, 0}));
-  }
+  for (int second = 1; second <= 5; ++second) Move("base", second * 1'000'000'000LL, {1.0 * second, 0, 0});
   Update(5);
   const auto base = [&] {
     for (const Label& label : frames.Labels()) {
@@ -152,14 +135,8 @@ TEST_F(LookingBackTest, IsLimitedByTheHistoryOfVisibleFrames) {
   Add("Pose", "pose", {"trail", "100"});
   Add("Frames");
   for (int second = 0; second < 60; ++second) {
-    foxglove::PoseInFrame pose;
-    pose.set_frame_id("map");
-    pose.mutable_pose()->mutable_position()->set_x(second);
-    Publish("pose", pose);
-    const Time stamp{(second + 1) * 1'000'000'000LL};
-    (void)tree_.Set("map", "base", stamp, RigidTransform({1, 0, 0, 0}, {static_cast<double>(second), 0, 0}));
-    transforms_changed_ = true;
-    Update(second);
+    Move("base", (second + 1) * 1'000'000'000LL, {1.0 * second, 0, 0});
+    Send("pose", PoseOnX(second), second);
   }
   EXPECT_EQ(scene_.oldest_s(), 0);
   EXPECT_NEAR(scene_.truthful_since_s(), 59 - 10, 1);

@@ -17,9 +17,9 @@ namespace hgros::viewer::test {
 namespace {
 
 /// One point with an intensity.
-foxglove::PointCloud PointAt(float x, float y, float z, float intensity) {
+foxglove::PointCloud PointAt(float x, float y, float z, float intensity, const std::string& frame = "map") {
   foxglove::PointCloud cloud;
-  cloud.set_frame_id("lidar");
+  cloud.set_frame_id(frame);
   SetFloatFields(cloud);
   const float values[] = {x, y, z, intensity};
   cloud.mutable_data()->assign(reinterpret_cast<const char*>(values), sizeof values);  // NOLINT: bytes are bytes
@@ -32,58 +32,60 @@ class PickingTest : public SceneTest {
     SceneTest::SetUp();
     camera_.LookFromAbove();
   }
-  /// The result of a pick at a point.
-  const Scene::Entry* EntryAt(const Eigen::Vector3d& at, Eigen::Vector3d& found) {
+  /// Picks at a point. Sets `found_`.
+  const Scene::Entry* EntryAt(const Eigen::Vector3d& at) {
     (void)Draw();
     const auto pixel = camera_.PixelOf(at, kPictureSize);
     int x = static_cast<int>(pixel->x());
     int y = static_cast<int>(pixel->y());
     float depth = scene_.NearestDepth(camera_.Matrices(kPictureSize), 1, x, y, 3);
     if (depth >= 1) return nullptr;
-    const auto seen = [&] { return camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize); };
     const Scene::Entry* const entry = scene_.EntryAt(camera_.Matrices(kPictureSize), 1, x, y, depth);
-    found = seen();
+    found_ = camera_.PointAt(x + 0.5, y + 0.5, static_cast<double>(depth), kPictureSize);
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     return entry;
   }
+  /// The name of the picked display; empty if there is none.
+  std::string NameAt(const Eigen::Vector3d& at) {
+    const Scene::Entry* const entry = EntryAt(at);
+    return entry == nullptr ? "" : entry->name;
+  }
+  /// What the picked display says about the picked point; empty if there is none.
+  std::string ToldAt(const Eigen::Vector3d& at) {
+    const Scene::Entry* const entry = EntryAt(at);
+    return entry == nullptr ? "" : entry->display->ValueAt(found_, 0.1);
+  }
+
+  Eigen::Vector3d found_;
 };
 
 TEST_F(PickingTest, ReturnsPositionDisplayFrameAndValue) {
   for (const char* keep : {"latest", "all"}) {
     const std::string channel = std::string("cloud_") + keep;
     Add("Ground");
-    Add("Point cloud", channel, {"keep", keep, "color", "value", "size", "5"});
     const double side = keep == std::string("latest") ? 1 : -1;
     ASSERT_EQ(tree_.SetStatic("map", "lidar", RigidTransform({1, 0, 0, 0}, {0, 0, 1})).text(), "");
-    Publish(channel, PointAt(static_cast<float>(3 * side), 2, 0.5F, 42));
-    Update();
+    Show("Point cloud", channel, PointAt(static_cast<float>(3 * side), 2, 0.5F, 42, "lidar"),
+         {"keep", keep, "color", "value", "size", "5"});
     const Eigen::Vector3d at(3 * side, 2, 1.5);
-    Eigen::Vector3d found;
-    const Scene::Entry* const entry = EntryAt(at, found);
+    const Scene::Entry* const entry = EntryAt(at);
     ASSERT_NE(entry, nullptr) << keep;
     EXPECT_EQ(entry->name, channel);
-    EXPECT_LT((found - at).norm(), 0.15);
+    EXPECT_LT((found_ - at).norm(), 0.15);
     EXPECT_EQ(entry->display->data_frame(), "lidar");
-    const std::string value = entry->display->ValueAt(found, 0.5);
+    const std::string value = entry->display->ValueAt(found_, 0.5);
     EXPECT_TRUE(value.starts_with("intensity = 42")) << value;
-    EXPECT_EQ(entry->display->ValueAt(found + Eigen::Vector3d(3, 0, 0), 0.5), "");
+    EXPECT_EQ(entry->display->ValueAt(found_ + Eigen::Vector3d(3, 0, 0), 0.5), "");
   }
 }
 
 TEST_F(PickingTest, ReturnsTheFrontDisplay) {
   Add("Point cloud", "low", {"size", "9"});
   Add("Point cloud", "high", {"size", "9"});
-  for (const auto& [channel, height] : {std::pair("low", 0.0F), std::pair("high", 2.0F)}) {
-    foxglove::PointCloud cloud = PointAt(0, 0, height, 1);
-    cloud.set_frame_id("map");
-    Publish(channel, cloud);
-  }
-  Update();
-  Eigen::Vector3d found;
-  const Scene::Entry* const entry = EntryAt({0, 0, 2}, found);
-  ASSERT_NE(entry, nullptr);
-  EXPECT_EQ(entry->name, "high");
-  EXPECT_NEAR(found.z(), 2, 0.05);
+  Publish("low", PointAt(0, 0, 0, 1));
+  Send("high", PointAt(0, 0, 2, 1));
+  EXPECT_EQ(NameAt({0, 0, 2}), "high");
+  EXPECT_NEAR(found_.z(), 2, 0.05);
 }
 
 /// Two cells of 4 m, side by side, 1 m above the ground. The left one has no cost.
@@ -96,73 +98,48 @@ foxglove::Grid TwoCells() {
   grid.set_column_count(2);
   grid.set_cell_stride(1);
   grid.set_row_stride(2);
-  auto* const field = grid.add_fields();
-  field->set_name("cost");
-  field->set_type(foxglove::PackedElementField::INT8);
+  AddField(grid, "cost", foxglove::PackedElementField::INT8);
   grid.set_data(std::string({0, 50}));
   return grid;
 }
 
 TEST_F(PickingTest, ReturnsTransparentThingsButNotInvisibleOnes) {
-  Add("Point cloud", "below", {"size", "9"});
-  foxglove::PointCloud below = PointAt(-2, 0, 0, 1);
-  below.set_frame_id("map");
-  Publish("below", below);
-  Display& costs = Add("Grid", "costs", {"palette", "costmap"});
-  Publish("costs", TwoCells());
-  Update();
-  Eigen::Vector3d found;
-  const Scene::Entry* entry = EntryAt({-2, 0, 1}, found);
-  ASSERT_NE(entry, nullptr);
-  EXPECT_EQ(entry->name, "below");
+  Show("Point cloud", "below", PointAt(-2, 0, 0, 1), {"size", "9"});
+  Display& costs = Show("Grid", "costs", TwoCells(), {"palette", "costmap"});
+  EXPECT_EQ(NameAt({-2, 0, 1}), "below");
   for (const char* alpha : {"1", "0.3"}) {
     SetStandingStill(costs, "alpha", alpha);
-    entry = EntryAt({2, 0, 1}, found);
-    ASSERT_NE(entry, nullptr);
-    EXPECT_EQ(entry->name, "costs");
-    EXPECT_NEAR(found.z(), 1, 0.05);
-    EXPECT_EQ(entry->display->ValueAt(found, 0.1), "cost = 50");
+    EXPECT_EQ(NameAt({2, 0, 1}), "costs");
+    EXPECT_NEAR(found_.z(), 1, 0.05);
+    EXPECT_EQ(ToldAt({2, 0, 1}), "cost = 50");
   }
   SetStandingStill(costs, "alpha", "0");
-  EXPECT_EQ(EntryAt({2, 0, 1}, found), nullptr);
+  EXPECT_EQ(EntryAt({2, 0, 1}), nullptr);
 }
 
 TEST_F(PickingTest, ReturnsTheHeightOfAGridExactly) {
-  Display& costs = Add("Grid", "costs", {"palette", "map"});
   foxglove::Grid grid = TwoCells();
   SetXyz(*grid.mutable_pose()->mutable_position(), -40, -40, 0);
   grid.mutable_cell_size()->set_x(40);
   grid.mutable_cell_size()->set_y(80);
-  Publish("costs", grid);
-  Update();
+  Display& costs = Show("Grid", "costs", grid, {"palette", "map"});
   for (const char* alpha : {"1", "0.5"}) {
     SetStandingStill(costs, "alpha", alpha);
     camera_.Reset();
     for (const double pitch : {0.0, 0.2, 0.35, -0.5}) {  // The last ones look almost along the grid, and from above.
       camera_.Orbit(0.3, pitch);
-      Eigen::Vector3d found;
-      const Scene::Entry* const entry = EntryAt({2, 1, 0}, found);
-      ASSERT_NE(entry, nullptr);
-      EXPECT_EQ(entry->display.get(), &costs);
-      EXPECT_NEAR(found.z(), 0, 1e-3) << "alpha " << alpha << ", pitch " << pitch;
+      EXPECT_EQ(NameAt({2, 1, 0}), "costs");
+      EXPECT_NEAR(found_.z(), 0, 1e-3) << "alpha " << alpha << ", pitch " << pitch;
     }
   }
 }
 
 TEST_F(PickingTest, ReturnsWhatLiesInThePlaneOfAGrid) {
-  Add("Grid", "costs", {"palette", "map"});
-  Add("Point cloud", "cloud", {"size", "9"});
   foxglove::Grid grid = TwoCells();
   grid.mutable_pose()->mutable_position()->set_z(0);
-  Publish("costs", grid);
-  foxglove::PointCloud cloud = PointAt(2, 0, 0, 1);
-  cloud.set_frame_id("map");
-  Publish("cloud", cloud);
-  Update();
-  Eigen::Vector3d found;
-  const Scene::Entry* const entry = EntryAt({2, 0, 0}, found);
-  ASSERT_NE(entry, nullptr);
-  EXPECT_EQ(entry->name, "cloud") << "the grid lets it cover itself";
+  Show("Grid", "costs", grid, {"palette", "map"});
+  Show("Point cloud", "cloud", PointAt(2, 0, 0, 1), {"size", "9"});
+  EXPECT_EQ(NameAt({2, 0, 0}), "cloud") << "the grid lets it cover itself";
 }
 
 /// Fills the picture at half the depth, if it is visible, and counts how often it is drawn.
@@ -184,11 +161,8 @@ TEST_F(PickingTest, DrawsOnlyWhatItNeeds) {
   const DisplayType type{
       "Curtain", {}, [](const DisplayInputs&) -> std::unique_ptr<Display> { return std::make_unique<Curtain>(); }};
   auto& curtain = static_cast<Curtain&>(*scene_.Add(type, {session_, "", [] {}}).display);
-  Add("Grid", "costs", {"palette", "map"});
-  Publish("costs", TwoCells());
-  Update();
-  Eigen::Vector3d found;
-  EXPECT_EQ(EntryAt({2, 0, 1}, found)->name, "costs");
+  Show("Grid", "costs", TwoCells(), {"palette", "map"});
+  EXPECT_EQ(NameAt({2, 0, 1}), "costs");
   const ViewMatrices view = camera_.Matrices(kPictureSize);
   const auto pixel = camera_.PixelOf({2, 0, 1}, kPictureSize);
   int x = static_cast<int>(pixel->x());
@@ -213,115 +187,66 @@ TEST_F(PickingTest, DrawsOnlyWhatItNeeds) {
 }
 
 TEST_F(PickingTest, ReturnsWhatIsFarFromAllElse) {
-  Add("Scene", "things");
   foxglove::SceneUpdate update;
-  for (int i = 0; i < 8; ++i) {
-    auto* const entity = update.add_entities();
-    entity->set_frame_id("map");
-    entity->set_id("thing " + std::to_string(i));
-    auto* const cube = entity->add_cubes();
-    cube->mutable_pose()->mutable_position()->set_x(i == 7 ? 3e6 : i);
-    const double side = i == 7 ? 1000 : 1;
-    SetXyz(*cube->mutable_size(), side, side, side);
-    cube->mutable_color()->set_a(1);
-  }
-  Publish("things", update);
-  Update();
+  for (int i = 0; i < 7; ++i) AddCube(AddEntity(update, "thing " + std::to_string(i)), {1.0 * i, 0, 0}, 1);
+  AddCube(AddEntity(update, "far thing"), {3e6, 0, 0}, 1000);
+  Show("Scene", "things", update);
   const Eigen::Vector3d far(3e6, 0, 500);
   camera_.Focus(Eigen::AlignedBox3d(far - Eigen::Vector3d::Constant(500), far + Eigen::Vector3d::Constant(500)),
                 kPictureSize);
-  Eigen::Vector3d found;
-  const Scene::Entry* const entry = EntryAt(far, found);
-  ASSERT_NE(entry, nullptr);
-  EXPECT_EQ(entry->name, "things");
-  EXPECT_LT((found - far).norm(), 50);
+  EXPECT_EQ(NameAt(far), "things");
+  EXPECT_LT((found_ - far).norm(), 50);
 }
 
 TEST_F(PickingTest, ReturnsTheNearestOfSeveralTransparentDisplays) {
-  Add("Scene", "things");
-  Display& costs = Add("Grid", "costs", {"palette", "costmap", "alpha", "0.5"});
   foxglove::SceneUpdate update;
-  auto* const entity = update.add_entities();
-  entity->set_frame_id("map");
-  entity->set_id("glass");
-  auto* const cube = entity->add_cubes();
-  cube->mutable_pose()->mutable_position()->set_x(2);
-  cube->mutable_pose()->mutable_position()->set_z(2);
-  SetXyz(*cube->mutable_size(), 1, 1, 1);
-  cube->mutable_color()->set_a(0.2);
-  Publish("things", update);
-  Publish("costs", TwoCells());
-  Update();
+  AddCube(AddEntity(update, "glass"), {2, 0, 2}, 1, 0.2);
+  Show("Scene", "things", update);
+  Show("Grid", "costs", TwoCells(), {"palette", "costmap", "alpha", "0.5"});
   const Pixels before = Draw();
-  Eigen::Vector3d found;
-  const Scene::Entry* entry = EntryAt({2, 0, 2.5}, found);
-  ASSERT_NE(entry, nullptr);
-  EXPECT_EQ(entry->name, "things");
-  EXPECT_NEAR(found.z(), 2.5, 0.05);
-  EXPECT_EQ(entry->display->ValueAt(found, 0.1), "entity \"glass\"");
-  entry = EntryAt({3.5, 1.5, 1}, found);
-  ASSERT_NE(entry, nullptr);
-  EXPECT_EQ(entry->display.get(), &costs);
+  EXPECT_EQ(NameAt({2, 0, 2.5}), "things");
+  EXPECT_NEAR(found_.z(), 2.5, 0.05);
+  EXPECT_EQ(ToldAt({2, 0, 2.5}), "entity \"glass\"");
+  EXPECT_EQ(NameAt({3.5, 1.5, 1}), "costs");
   EXPECT_EQ(DifferentShare(Draw(), before), 0) << "picking does not change the picture";
 }
 
 TEST_F(PickingTest, ReturnsTheEntityAndItsMetadata) {
-  Add("Scene", "things");
   foxglove::SceneUpdate update;
   for (const double x : {-2.0, 2.0}) {
-    auto* const entity = update.add_entities();
-    entity->set_frame_id("map");
-    entity->set_id(x < 0 ? "left" : "right");
-    auto* const cube = entity->add_cubes();
-    cube->mutable_pose()->mutable_position()->set_x(x);
-    SetXyz(*cube->mutable_size(), 1, 1, 1);
-    cube->mutable_color()->set_a(1);
+    foxglove::SceneEntity& entity = AddEntity(update, x < 0 ? "left" : "right");
+    AddCube(entity, {x, 0, 0}, 1);
     for (int i = 0; i < 20; ++i) {
-      auto* const note = entity->add_metadata();
+      auto* const note = entity.add_metadata();
       note->set_key("key" + std::to_string(i));
       note->set_value(std::string(1000, 'v'));
     }
   }
-  Publish("things", update);
-  Update();
-  Eigen::Vector3d found;
-  const Scene::Entry* const entry = EntryAt({2, 0, 0.5}, found);
-  ASSERT_NE(entry, nullptr);
-  const std::string told = entry->display->ValueAt(found, 0.1);
+  const Display& display = Show("Scene", "things", update);
+  const std::string told = ToldAt({2, 0, 0.5});
   EXPECT_TRUE(told.starts_with("entity \"right\"\nkey0 = vvv")) << told;
   EXPECT_TRUE(told.ends_with("and 8 more")) << told;
   EXPECT_LT(told.size(), 2000U);
-  EXPECT_EQ(entry->display->ValueAt({0, 0, 0}, 0.1), "");
+  EXPECT_EQ(display.ValueAt({0, 0, 0}, 0.1), "");
 }
 
 TEST_F(PickingTest, ReturnsTransparentThingsOfEveryKind) {
-  Add("Scene", "things");
-  Add("Voxels", "voxels", {"alpha", "0.5"});
   foxglove::SceneUpdate update;
-  const auto entity = [&](const char* id) {
-    auto& added = *update.add_entities();
-    added.set_frame_id("map");
-    added.set_id(id);
-    return &added;
-  };
   for (const double alpha : {0.3, 0.0}) {  // An invisible object is above it.
     const std::string name = alpha > 0 ? "seen " : "unseen ";
     const double z = alpha > 0 ? 1 : 2;
     const auto point = [&](auto* at, double x, double y) { SetXyz(*at, x, y, z); };
-    auto* const triangle = entity((name + "triangle").c_str())->add_triangles();
+    auto* const triangle = AddEntity(update, name + "triangle").add_triangles();
     triangle->mutable_color()->set_a(alpha);
     point(triangle->add_points(), -5, -2);
     point(triangle->add_points(), -1, -2);
     point(triangle->add_points(), -3, 2);
-    auto* const line = entity((name + "line").c_str())->add_lines();
+    auto* const line = AddEntity(update, name + "line").add_lines();
     line->set_thickness(0.5);
     line->mutable_color()->set_a(alpha);
     point(line->add_points(), 2, -2);
     point(line->add_points(), 2, 2);
-    auto* const ball = entity((name + "ball").c_str())->add_spheres();
-    ball->mutable_color()->set_a(alpha);
-    point(ball->mutable_pose()->mutable_position(), 0, 3);
-    SetXyz(*ball->mutable_size(), 1, 1, 1);
+    SetSolid(*AddEntity(update, name + "ball").add_spheres(), {0, 3, z}, {1, 1, 1}, {0, 0, 0, alpha});
   }
   foxglove::VoxelGrid voxels;
   voxels.set_frame_id("map");
@@ -332,47 +257,30 @@ TEST_F(PickingTest, ReturnsTransparentThingsOfEveryKind) {
   voxels.set_cell_stride(1);
   voxels.set_row_stride(1);
   voxels.set_slice_stride(1);
-  auto* const field = voxels.add_fields();
-  field->set_name("full");
-  field->set_type(foxglove::PackedElementField::UINT8);
+  AddField(voxels, "full", foxglove::PackedElementField::UINT8);
   voxels.set_data(std::string(1, 1));
-  Publish("things", update);
-  Publish("voxels", voxels);
-  Update();
-  Eigen::Vector3d found;
-  const auto told = [&](const Eigen::Vector3d& at) -> std::string {
-    const Scene::Entry* const entry = EntryAt(at, found);
-    return entry == nullptr ? "" : entry->display->ValueAt(found, 0.1);
-  };
-  EXPECT_EQ(told({-3, 0, 1}), "entity \"seen triangle\"");
-  EXPECT_EQ(told({2, 0, 1}), "entity \"seen line\"");
-  EXPECT_EQ(told({0, 3, 1.5}), "entity \"seen ball\"");
-  EXPECT_TRUE(told({4.5, 0.5, 1}).starts_with("full = 1")) << told({4.5, 0.5, 1});
+  Show("Scene", "things", update);
+  Show("Voxels", "voxels", voxels, {"alpha", "0.5"});
+  EXPECT_EQ(ToldAt({-3, 0, 1}), "entity \"seen triangle\"");
+  EXPECT_EQ(ToldAt({2, 0, 1}), "entity \"seen line\"");
+  EXPECT_EQ(ToldAt({0, 3, 1.5}), "entity \"seen ball\"");
+  EXPECT_TRUE(ToldAt({4.5, 0.5, 1}).starts_with("full = 1")) << ToldAt({4.5, 0.5, 1});
 }
 
 TEST_F(PickingTest, ReturnsTheEntityOfAModel) {
-  Add("Scene", "things");
   foxglove::SceneUpdate update;
   for (const double x : {-3.0, 3.0}) {
-    auto* const entity = update.add_entities();
-    entity->set_frame_id("map");
-    entity->set_id(x < 0 ? "left" : "right");
-    auto* const model = entity->add_models();
+    auto* const model = AddEntity(update, x < 0 ? "left" : "right").add_models();
     model->mutable_pose()->mutable_position()->set_x(x);
     SetXyz(*model->mutable_scale(), 2, 2, 2);
     model->set_media_type("model/stl");
     model->set_data("solid x\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid");
   }
-  Publish("things", update);
-  Update();
-  Eigen::Vector3d found;
-  const Scene::Entry* const entry = EntryAt({3.5, 0.5, 0}, found);
-  ASSERT_NE(entry, nullptr);
-  EXPECT_EQ(entry->display->ValueAt(found, 0.1), "entity \"right\"");
+  Show("Scene", "things", update);
+  EXPECT_EQ(ToldAt({3.5, 0.5, 0}), "entity \"right\"");
 }
 
 TEST_F(PickingTest, ReturnsTheNameOfAShape) {
-  Display& display = Add("Shapes", "shapes");
   hgros::Shapes update;
   update.set_frame_id("map");
   auto* const shape = update.add_shapes();
@@ -380,25 +288,21 @@ TEST_F(PickingTest, ReturnsTheNameOfAShape) {
   shape->mutable_oval()->set_a(2);
   shape->mutable_oval()->set_b(2);
   shape->mutable_color()->set_a(1);
-  Publish("shapes", update);
-  Update();
+  const Display& display = Show("Shapes", "shapes", update);
   EXPECT_EQ(display.ValueAt({1, 1, 0}, 0.1), "shape \"disc\"");
 }
 
 TEST_F(PickingTest, DoesNotChangeThePicture) {
   Add("Ground");
   Add("Point cloud", "cloud", {"keep", "all", "size", "5"});
-  Add("Trajectory", "way");
   foxglove::PosesInFrame way;
   for (int i = 0; i < 10; ++i) way.add_poses()->mutable_position()->set_x(i);
+  Add("Trajectory", "way");
   Publish("way", way);
-  Publish("cloud", PointAt(1, 1, 0, 1));
-  Update();
+  Send("cloud", PointAt(1, 1, 0, 1, "lidar"));
   const Pixels before = Draw();
-  Eigen::Vector3d found;
   // Something new has arrived that was not drawn yet.
-  Publish("cloud", PointAt(-4, 2, 0, 1));
-  Update();
+  Send("cloud", PointAt(-4, 2, 0, 1, "lidar"));
   float depth = 0.5F;
   (void)scene_.EntryAt(camera_.Matrices(kPictureSize), 1, 160, 120, depth);
   const Pixels after = Draw();

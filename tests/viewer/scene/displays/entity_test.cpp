@@ -21,49 +21,43 @@ using ::testing::HasSubstr;
 
 constexpr double kForEver = std::numeric_limits<double>::infinity();
 
-void SetColor(foxglove::Color& color, double r, double g, double b, double a = 1) {
-  color.set_r(r);
-  color.set_g(g);
-  color.set_b(b);
-  color.set_a(a);
-}
-
 void Place(foxglove::Pose& pose, double x, double y, double z) { SetXyz(*pose.mutable_position(), x, y, z); }
 
-SceneEntity& AddEntity(SceneUpdate& update, const std::string& id) {
-  SceneEntity& entity = *update.add_entities();
-  entity.set_id(id);
-  entity.set_frame_id("map");
-  return entity;
+/// It stands on the ground.
+void AddCubeAt(SceneEntity& entity, double x, double y, double edge = 1, double alpha = 1) {
+  AddCube(entity, {x, y, 0.5 * edge}, edge, alpha);
 }
 
-void AddCube(SceneEntity& entity, double x, double y, double edge = 1, double alpha = 1) {
-  auto& cube = *entity.add_cubes();
-  Place(*cube.mutable_pose(), x, y, 0.5 * edge);
-  SetXyz(*cube.mutable_size(), edge, edge, edge);
-  SetColor(*cube.mutable_color(), 0.9, 0.5, 0.1, alpha);
+/// A message of one cube at the origin.
+SceneUpdate Cube(const std::string& id, double edge, double alpha = 1) {
+  SceneUpdate update;
+  AddCubeAt(AddEntity(update, id), 0, 0, edge, alpha);
+  return update;
+}
+
+/// A message of one triangle.
+SceneUpdate Model(const std::string& id, double scale, const std::string& corners) {
+  SceneUpdate update;
+  auto& model = *AddEntity(update, id).add_models();
+  SetXyz(*model.mutable_scale(), scale, scale, scale);
+  model.set_media_type("model/stl");
+  model.set_data("solid x\n" + corners + "\nendsolid");
+  return update;
 }
 
 /// One solid of every kind.
 SceneUpdate EverySolid() {
   SceneUpdate update;
   SceneEntity& entity = AddEntity(update, "solids");
-  AddCube(entity, -3, -2, 1.6);
-  auto& sphere = *entity.add_spheres();
-  Place(*sphere.mutable_pose(), 0, -2, 0.8);
-  SetXyz(*sphere.mutable_size(), 1.6, 1.6, 1.2);
-  SetColor(*sphere.mutable_color(), 0.2, 0.7, 0.3);
+  AddCubeAt(entity, -3, -2, 1.6);
+  SetSolid(*entity.add_spheres(), {0, -2, 0.8}, {1.6, 1.6, 1.2}, {0.2, 0.7, 0.3, 1});
   auto& cylinder = *entity.add_cylinders();
-  Place(*cylinder.mutable_pose(), 3, -2, 0.8);
-  SetXyz(*cylinder.mutable_size(), 1.4, 1.4, 1.6);
+  SetSolid(cylinder, {3, -2, 0.8}, {1.4, 1.4, 1.6}, {0.2, 0.5, 0.9, 1});
   cylinder.set_bottom_scale(1);
   cylinder.set_top_scale(1);
-  SetColor(*cylinder.mutable_color(), 0.2, 0.5, 0.9);
   auto& cone = *entity.add_cylinders();
-  Place(*cone.mutable_pose(), -3, 2, 0.8);
-  SetXyz(*cone.mutable_size(), 1.6, 1.6, 1.6);
+  SetSolid(cone, {-3, 2, 0.8}, {1.6, 1.6, 1.6}, {0.8, 0.2, 0.6, 1});
   cone.set_bottom_scale(1);
-  SetColor(*cone.mutable_color(), 0.8, 0.2, 0.6);
   auto& arrow = *entity.add_arrows();
   Place(*arrow.mutable_pose(), -1, 2, 0.5);
   arrow.mutable_pose()->mutable_orientation()->set_y(-std::sin(0.2));
@@ -74,15 +68,10 @@ SceneUpdate EverySolid() {
   arrow.set_head_diameter(0.6);
   SetColor(*arrow.mutable_color(), 0.95, 0.85, 0.2);
   auto& triangles = *entity.add_triangles();
-  for (const auto& [x, y, z] : {std::array{2.0, 1.2, 0.0},
-                                {4.2, 1.2, 0.0},
-                                {3.1, 3.0, 0.0},
-                                {2.0, 1.2, 0.0},
-                                {3.1, 3.0, 0.0},
-                                {3.1, 1.8, 1.8},
-                                {4.2, 1.2, 0.0},
-                                {3.1, 1.8, 1.8},
-                                {3.1, 3.0, 0.0}}) {
+  constexpr std::array<std::array<double, 3>, 4> kCorners{
+      {{2.0, 1.2, 0}, {4.2, 1.2, 0}, {3.1, 3.0, 0}, {3.1, 1.8, 1.8}}};
+  for (const std::size_t corner : {0U, 1U, 2U, 0U, 2U, 3U, 1U, 3U, 2U}) {
+    const auto& [x, y, z] = kCorners[corner];
     SetXyz(*triangles.add_points(), x, y, z);
     SetColor(*triangles.add_colors(), 0.2 + z / 3, 0.6, 0.7);
   }
@@ -113,42 +102,27 @@ class EntityDisplayTest : public SceneTest {
   std::string FirstStatus(const Display& display) { return display.Status().front(); }
 };
 
-TEST_F(EntityDisplayTest, DrawsEverySolid) {
+TEST_F(EntityDisplayTest, DrawsEverySolidAndEveryKindOfLine) {
   Add("Ground");
-  Add("Scene", "scene");
-  Publish("scene", EverySolid());
-  Update();
   camera_.Zoom(1.6, 160, 120, kPictureSize);
-  ExpectAsKept("scene_solids");
-}
-
-TEST_F(EntityDisplayTest, DrawsEveryKindOfLine) {
-  Add("Ground");
-  Add("Scene", "scene");
-  Publish("scene", EveryLine());
-  Update();
-  camera_.Zoom(1.6, 160, 120, kPictureSize);
-  ExpectAsKept("scene_lines");
+  for (const auto& [name, update] : {std::pair("scene_solids", EverySolid()), std::pair("scene_lines", EveryLine())}) {
+    Show("Scene", name, update);
+    ExpectAsKept(name);
+    scene_.Remove(1);
+  }
 }
 
 TEST_F(EntityDisplayTest, DrawsTransparentEntitiesAfterOpaqueOnes) {
-  Add("Scene", "scene");
   SceneUpdate update;
   SceneEntity& entity = AddEntity(update, "see-through");
-  AddCube(entity, -1.5, -1.5, 2, 0.4);
-  AddCube(entity, 1.5, 1.5, 2);
-  auto& sphere = *entity.add_spheres();
-  Place(*sphere.mutable_pose(), -1.5, -1.5, 1);
-  SetXyz(*sphere.mutable_size(), 1, 1, 1);
-  SetColor(*sphere.mutable_color(), 0.2, 0.7, 0.3);
+  AddCubeAt(entity, -1.5, -1.5, 2, 0.4);
+  AddCubeAt(entity, 1.5, 1.5, 2);
+  SetSolid(*entity.add_spheres(), {-1.5, -1.5, 1}, {1, 1, 1}, {0.2, 0.7, 0.3, 1});
   auto& glass = *entity.add_cylinders();
-  Place(*glass.mutable_pose(), 0, 0, 1);
-  SetXyz(*glass.mutable_size(), 2, 2, 3);
+  SetSolid(glass, {0, 0, 1}, {2, 2, 3}, {0.4, 0.6, 1, 0.35});
   glass.set_bottom_scale(1);
   glass.set_top_scale(0.6);
-  SetColor(*glass.mutable_color(), 0.4, 0.6, 1, 0.35);
-  Publish("scene", update);
-  Update();
+  Show("Scene", "scene", update);
   camera_.Zoom(1.6, 160, 120, kPictureSize);
   ExpectAsKept("scene_see_through");
 }
@@ -157,8 +131,7 @@ TEST_F(EntityDisplayTest, DrawsTransparentChannelsFromBackToFront) {
   for (const double edge : {1.0, 3.0}) {  // One inside the other.
     const std::string channel = edge < 2 ? "inner" : "outer";
     Add("Scene", channel);
-    SceneUpdate update;
-    AddCube(AddEntity(update, channel), 0, 0, edge, 0.5);
+    SceneUpdate update = Cube(channel, edge);
     SetColor(*update.mutable_entities(0)->mutable_cubes(0)->mutable_color(), edge < 2 ? 0.9 : 0.1, 0.2, 0.5, 0.5);
     Publish(channel, update);
   }
@@ -172,7 +145,6 @@ TEST_F(EntityDisplayTest, DrawsTransparentChannelsFromBackToFront) {
 
 TEST_F(EntityDisplayTest, DrawsThePapersShapes) {
   Add("Ground");
-  Add("Shapes", "shapes");
   Shapes shapes;
   shapes.set_frame_id("map");
   int count = 0;
@@ -187,34 +159,34 @@ TEST_F(EntityDisplayTest, DrawsThePapersShapes) {
   add(-3, 2).mutable_point()->set_width(12);
   auto& line = *add(-1, 2).mutable_line();
   for (int i = 0; i < 6; ++i) SetXyz(*line.add_points(), 0.3 * i, i % 2 == 0 ? 0 : 0.8, 0);
-  auto& polygon = *add(2, 2).mutable_polygon();
-  for (int i = 0; i < 10; ++i) {
+  const auto add_corner = [](PolygonShape& polygon, double x, double y) {
     auto& corner = *polygon.add_corners();
+    corner.set_x(x);
+    corner.set_y(y);
+  };
+  const auto set_axes = [](OvalShape& oval, double a, double b) {
+    oval.set_a(a);
+    oval.set_b(b);
+  };
+  auto& star = *add(2, 2).mutable_polygon();
+  for (int i = 0; i < 10; ++i) {
     const double angle = std::numbers::pi * i / 5;
-    corner.set_x((i % 2 == 0 ? 1.0 : 0.4) * std::cos(angle));
-    corner.set_y((i % 2 == 0 ? 1.0 : 0.4) * std::sin(angle));
+    add_corner(star, (i % 2 == 0 ? 1.0 : 0.4) * std::cos(angle), (i % 2 == 0 ? 1.0 : 0.4) * std::sin(angle));
   }
-  auto& oval = *add(-3, -1).mutable_oval();
-  oval.set_a(1);
-  oval.set_b(0.5);
+  set_axes(*add(-3, -1).mutable_oval(), 1, 0.5);
   SetXyz(*add(-0.5, -1).mutable_ellipsoid()->mutable_half_axes(), 0.9, 0.5, 0.5);
   auto& cone = *add(2, -1).mutable_cone();
-  cone.mutable_base()->set_a(0.8);
-  cone.mutable_base()->set_b(0.8);
+  set_axes(*cone.mutable_base(), 0.8, 0.8);
   cone.set_height(1.5);
   auto& post = *add(-2, -3.5).mutable_extrusion();
-  post.mutable_oval()->set_a(0.5);
-  post.mutable_oval()->set_b(0.8);
+  set_axes(*post.mutable_oval(), 0.5, 0.8);
   post.set_height(1);
   auto& wedge = *add(1, -3.5).mutable_extrusion();
   for (const auto& [x, y] : {std::array{-0.8, -0.8}, {0.8, -0.8}, {0.8, 0.8}, {0.0, 0.0}}) {
-    auto& corner = *wedge.mutable_polygon()->add_corners();
-    corner.set_x(x);
-    corner.set_y(y);
+    add_corner(*wedge.mutable_polygon(), x, y);
   }
   wedge.set_height(1);
-  Publish("shapes", shapes);
-  Update();
+  Show("Shapes", "shapes", shapes);
   camera_.Zoom(1.6, 160, 120, kPictureSize);
   ExpectAsKept("shapes_of_the_paper");
 }
@@ -223,19 +195,16 @@ TEST_F(EntityDisplayTest, RemovesExpiredEntitiesWithoutAMessage) {
   Display& display = Add("Scene", "scene");
   Update(0);
   const Pixels empty = Draw();
-  SceneUpdate update;
-  SceneEntity& entity = AddEntity(update, "short");
-  AddCube(entity, 0, 0, 3);
+  SceneUpdate update = Cube("short", 3);
+  SceneEntity& entity = *update.mutable_entities(0);
   entity.mutable_timestamp()->set_seconds(session_.clock()->Now().nanoseconds / 1'000'000'000 - 100);
   entity.mutable_lifetime()->set_seconds(200);
-  Publish("scene", update);
-  Update(1);
+  Send("scene", update, 1);
   EXPECT_GT(DifferentShare(empty, Draw()), 0.01);
   EXPECT_GT(display.next_change_s(), 1 + 98);
   EXPECT_LT(display.next_change_s(), 1 + 102);
   entity.mutable_lifetime()->set_seconds(50);
-  Publish("scene", update);
-  Update(2);
+  Send("scene", update, 2);
   EXPECT_EQ(DifferentShare(empty, Draw()), 0);
   Update(10);
   EXPECT_EQ(display.next_change_s(), kForEver);
@@ -248,17 +217,15 @@ TEST_F(EntityDisplayTest, LeavesNothingAfterDeletingTwoThousandOneByOne) {
   SceneUpdate all;
   for (int i = 0; i < 2000; ++i) {
     const int row = i / 50;
-    AddCube(AddEntity(all, std::to_string(i)), i % 50 * 0.2 - 5, row * 0.2 - 4, 0.15);
+    AddCubeAt(AddEntity(all, std::to_string(i)), i % 50 * 0.2 - 5, row * 0.2 - 4, 0.15);
   }
-  Publish("scene", all);
-  Update(1);
+  Send("scene", all, 1);
   EXPECT_THAT(display.Status(), Contains(HasSubstr("2000 entities")));
   EXPECT_GT(DifferentShare(empty, Draw()), 0.1);
   for (int part = 0; part < 20; ++part) {
     SceneUpdate deletions;
     for (int i = part; i < 2000; i += 20) deletions.add_deletions()->set_id(std::to_string(i));
-    Publish("scene", deletions);
-    Update(1 + 0.1 * part);
+    Send("scene", deletions, 1 + 0.1 * part);
     (void)Draw();
   }
   EXPECT_EQ(DifferentShare(empty, Draw()), 0);
@@ -267,20 +234,17 @@ TEST_F(EntityDisplayTest, LeavesNothingAfterDeletingTwoThousandOneByOne) {
 
 TEST_F(EntityDisplayTest, MovesOnlyEntitiesLockedToAFrame) {
   Display& display = Add("Scene", "scene");
-  tree_.Set("map", "base", Time{1'000}, RigidTransform());
-  SceneUpdate update;
-  SceneEntity& entity = AddEntity(update, "cube");
-  AddCube(entity, 0, 0, 2);
+  Move("base", 1'000);
+  SceneUpdate update = Cube("cube", 2);
+  SceneEntity& entity = *update.mutable_entities(0);
   entity.set_frame_id("base");
   for (const bool locked : {false, true}) {
     SCOPED_TRACE(locked);
     entity.set_frame_locked(locked);
     entity.mutable_timestamp()->set_nanos(locked ? 0 : 1'000);
-    Publish("scene", update);
-    Update(locked ? 10 : 0);
+    Send("scene", update, locked ? 10 : 0);
     const Pixels before = Draw();
-    tree_.Set("map", "base", Time{locked ? 3'000 : 2'000}, RigidTransform({1, 0, 0, 0}, {0, locked ? 6.0 : 3.0, 0}));
-    transforms_changed_ = true;
+    Move("base", locked ? 3'000 : 2'000, {0, locked ? 6.0 : 3.0, 0});
     Update(locked ? 11 : 1);
     EXPECT_EQ(DifferentShare(before, Draw()) > 0.01, locked);
     EXPECT_FALSE(display.HasFault());
@@ -288,22 +252,16 @@ TEST_F(EntityDisplayTest, MovesOnlyEntitiesLockedToAFrame) {
 }
 
 TEST_F(EntityDisplayTest, KeepsEntitiesWhereTheirFrameWasLongAgo) {
-  Add("Scene", "scene");
-  tree_.Set("map", "base", Time{1'000}, RigidTransform());
-  SceneUpdate update;
-  SceneEntity& entity = AddEntity(update, "old");
-  AddCube(entity, 0, 0, 2);
-  entity.set_frame_id("base");
-  entity.mutable_timestamp()->set_nanos(1'000);
-  Publish("scene", update);
-  Update(0);
+  Move("base", 1'000);
+  SceneUpdate update = Cube("old", 2);
+  update.mutable_entities(0)->set_frame_id("base");
+  update.mutable_entities(0)->mutable_timestamp()->set_nanos(1'000);
+  Show("Scene", "scene", update);
   const Pixels before = Draw();
-  for (int s = 1; s <= 30; ++s)
-    tree_.Set("map", "base", Time{s * 1'000'000'000L}, RigidTransform({1, 0, 0, 0}, {0, 5, 0}));
+  for (int s = 1; s <= 30; ++s) Move("base", s * 1'000'000'000L, {0, 5, 0});
   SceneUpdate other;
-  AddCube(AddEntity(other, "new"), 100, 100, 0.01);
+  AddCubeAt(AddEntity(other, "new"), 100, 100, 0.01);
   Publish("scene", other);
-  transforms_changed_ = true;
   Update(1);
   EXPECT_LT(DifferentShare(before, Draw()), 0.002);
 }
@@ -313,12 +271,9 @@ TEST_F(EntityDisplayTest, ReportsAMissingTransformAndShowsEntitiesWithIt) {
   tree_.SetStatic("map", "other", RigidTransform());
   Update(0);
   const Pixels empty = Draw();
-  SceneUpdate update;
-  SceneEntity& entity = AddEntity(update, "cube");
-  AddCube(entity, 0, 0, 2);
-  entity.set_frame_id("arm");
-  Publish("scene", update);
-  Update(0);
+  SceneUpdate update = Cube("cube", 2);
+  update.mutable_entities(0)->set_frame_id("arm");
+  Send("scene", update);
   EXPECT_FALSE(display.HasFault()) << "it may still come";
   EXPECT_THAT(display.WaitsFor(), HasSubstr("arm"));
   EXPECT_EQ(display.next_change_s(), kLongestWaitS);
@@ -334,65 +289,40 @@ TEST_F(EntityDisplayTest, ReportsAMissingTransformAndShowsEntitiesWithIt) {
 }
 
 TEST_F(EntityDisplayTest, LooksTheSameMillionsOfMetersAway) {
-  Add("Scene", "scene");
-  Publish("scene", EverySolid());
-  Update(0);
-  const Pixels here = Draw();
-  const Eigen::Vector3d there(500'000, 5'400'000, 256);
-  tree_.SetStatic("map", "utm", RigidTransform({1, 0, 0, 0}, there));
-  transforms_changed_ = true;
-  SceneUpdate update = EverySolid();
-  update.mutable_entities(0)->set_frame_id("utm");
-  Publish("scene", update);
-  Update(1);
-  camera_.Follow(RigidTransform(), RigidTransform({1, 0, 0, 0}, there), false);
-  EXPECT_LT(DifferentShare(here, Draw()), 0.01);
+  SceneUpdate there = EverySolid();
+  there.mutable_entities(0)->set_frame_id("utm");
+  ExpectTheSameFarAway(EverySolid(), there, RigidTransform({1, 0, 0, 0}, {500'000, 5'400'000, 256}), "Scene");
 }
 
 TEST_F(EntityDisplayTest, EntitiesTooFarAwayDoNotHideOthers) {
-  Display& display = Add("Scene", "scene");
-  Publish("scene", EverySolid());
-  Update(0);
+  Display& display = Show("Scene", "scene", EverySolid());
   const Pixels before = Draw();
   SceneUpdate far;
-  AddCube(AddEntity(far, "far"), 9e307, 0);
-  AddCube(AddEntity(far, "as far"), 9e307, 9e307);
-  AddCube(AddEntity(far, "in a far frame"), 0, 0);
+  AddCubeAt(AddEntity(far, "far"), 9e307, 0);
+  AddCubeAt(AddEntity(far, "as far"), 9e307, 9e307);
+  AddCubeAt(AddEntity(far, "in a far frame"), 0, 0);
   far.mutable_entities(2)->set_frame_id("nowhere");
   tree_.SetStatic("map", "nowhere", RigidTransform({1, 0, 0, 0}, {9e11, 0, 0}));
   transforms_changed_ = true;
-  Publish("scene", far);
-  Update(1);
+  Send("scene", far, 1);
   Update(1 + kLongestWaitS);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(FirstStatus(display), HasSubstr("Entity \"far\": 1 of its shapes"));
   EXPECT_THAT(display.Status(), Contains(HasSubstr("The frame nowhere is farther away")));
   EXPECT_EQ(DifferentShare(before, Draw()), 0);
-  Publish("scene", EverySolid());
-  Update(4);
+  Send("scene", EverySolid(), 4);
   EXPECT_EQ(DifferentShare(before, Draw()), 0);
 }
 
 TEST_F(EntityDisplayTest, OneMalformedEntityLeavesTheBoundsOfTheOthers) {
-  Display& display = Add("Scene", "scene");
-  Publish("scene", EverySolid());
-  Update();
+  Display& display = Show("Scene", "scene", EverySolid());
   const Eigen::AlignedBox3d before = display.Bounds();
   for (const double size : {1e9, -1e9, 3e8, std::nan(""), HUGE_VAL}) {
-    SceneUpdate bad;
-    AddCube(AddEntity(bad, "bad"), 0, 0, size);
-    Publish("scene", bad);
-    Update();
+    Send("scene", Cube("bad", size));
     EXPECT_TRUE(display.Bounds().isApprox(before)) << size << ": " << display.Bounds().sizes().transpose();
     EXPECT_TRUE(scene_.Bounds().isApprox(before)) << size;
   }
-  SceneUpdate bad;
-  auto& model = *AddEntity(bad, "bad").add_models();
-  SetXyz(*model.mutable_scale(), 1, 1, 1);
-  model.set_media_type("model/stl");
-  model.set_data("solid x\nvertex 0 0 0\nvertex 1e30 0 0\nvertex 0 1 0\nendsolid");
-  Publish("scene", bad);
-  Update();
+  Send("scene", Model("bad", 1, "vertex 0 0 0\nvertex 1e30 0 0\nvertex 0 1 0"));
   EXPECT_TRUE(display.Bounds().isApprox(before)) << "a corner of a mesh";
 }
 
@@ -400,16 +330,12 @@ TEST_F(EntityDisplayTest, OneMalformedChannelLeavesTheBoundsOfTheOthers) {
   Add("Scene", "scene");
   Add("Scene", "bad");
   Add("Pose", "far");
-  Publish("scene", EverySolid());
-  Update();
+  Send("scene", EverySolid());
   const Eigen::AlignedBox3d before = scene_.Bounds();
-  SceneUpdate bad;
-  AddCube(AddEntity(bad, "bad"), 0, 0, 1e9);
-  Publish("bad", bad);
+  Publish("bad", Cube("bad", 1e9));
   foxglove::PoseInFrame far;
   far.mutable_pose()->mutable_position()->set_x(1e30);
-  Publish("far", far);
-  Update();
+  Send("far", far);
   EXPECT_TRUE(scene_.Bounds().isApprox(before)) << scene_.Bounds().sizes().transpose();
 }
 
@@ -421,8 +347,7 @@ TEST_F(EntityDisplayTest, ReturnsTextsAsLabelsWithPlaceAndColor) {
   text.set_text("kitchen");
   text.set_font_size(0.5);
   SetColor(*text.mutable_color(), 1, 0, 0);
-  Publish("scene", update);
-  Update();
+  Send("scene", update);
   const std::vector<Label> labels = display.Labels();
   ASSERT_EQ(labels.size(), 1U);
   EXPECT_EQ(labels[0].text, "kitchen");
@@ -436,13 +361,7 @@ TEST_F(EntityDisplayTest, DrawsAModelInsideTheMessage) {
   Display& display = Add("Scene", "scene");
   Update(0);
   const Pixels empty = Draw();
-  SceneUpdate update;
-  auto& model = *AddEntity(update, "model").add_models();
-  SetXyz(*model.mutable_scale(), 3, 3, 3);
-  model.set_media_type("model/stl");
-  model.set_data("solid x\nvertex -1 -1 0\nvertex 1 -1 0\nvertex 0 1 1\nendsolid");
-  Publish("scene", update);
-  Update(1);
+  Send("scene", Model("model", 3, "vertex -1 -1 0\nvertex 1 -1 0\nvertex 0 1 1"), 1);
   EXPECT_GT(DifferentShare(empty, Draw()), 0.02);
   EXPECT_NEAR(display.Bounds().max().z(), 3, 1e-6);
   EXPECT_FALSE(display.HasFault());
@@ -451,10 +370,8 @@ TEST_F(EntityDisplayTest, DrawsAModelInsideTheMessage) {
 TEST_F(EntityDisplayTest, ReportsAMalformedMessage) {
   Display& display = Add("Scene", "scene");
   SceneUpdate update;
-  SceneEntity& entity = AddEntity(update, "bad");
-  AddCube(entity, std::nan(""), 0);
-  Publish("scene", update);
-  Update();
+  AddCubeAt(AddEntity(update, "bad"), std::nan(""), 0);
+  Send("scene", update);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(FirstStatus(display), HasSubstr("\"bad\""));
   (void)Draw();
@@ -462,16 +379,13 @@ TEST_F(EntityDisplayTest, ReportsAMalformedMessage) {
 
 TEST_F(EntityDisplayTest, AppliesSettingsWhilePaused) {
   Display& display = Add("Scene", "scene");
-  SceneUpdate update;
-  SceneEntity& entity = AddEntity(update, "cube");
-  entity.set_frame_id("base");
-  entity.set_frame_locked(true);
-  AddCube(entity, 0, 0, 3);
-  (void)tree_.Set("map", "base", Time{1'000'000'000}, RigidTransform({1, 0, 0, 0}, {0, 0, 0}));
-  Publish("scene", update);
-  Update();
+  SceneUpdate update = Cube("cube", 3);
+  update.mutable_entities(0)->set_frame_id("base");
+  update.mutable_entities(0)->set_frame_locked(true);
+  Move("base", 1'000'000'000);
+  Send("scene", update);
   (void)Draw();
-  (void)tree_.Set("map", "base", Time{2'000'000'000}, RigidTransform({1, 0, 0, 0}, {4, 0, 0}));
+  Move("base", 2'000'000'000, {4, 0, 0});
   SceneUpdate deleted;
   deleted.add_deletions()->set_type(foxglove::SceneEntityDeletion::ALL);
   Publish("scene", deleted);

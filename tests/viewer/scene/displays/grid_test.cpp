@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "foxglove/Grid.pb.h"
-#include "foxglove/PointCloud.pb.h"
+#include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/layers/picture_tiles.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
@@ -25,16 +25,13 @@ constexpr double kCell = 0.25;
 foxglove::Grid Empty(PackedElementField::NumericType type, std::uint32_t bytes) {
   foxglove::Grid grid;
   grid.set_frame_id("map");
-  grid.mutable_pose()->mutable_position()->set_x(-0.5 * kColumns * kCell);
-  grid.mutable_pose()->mutable_position()->set_y(-0.5 * kRows * kCell);
+  SetXyz(*grid.mutable_pose()->mutable_position(), -0.5 * kColumns * kCell, -0.5 * kRows * kCell, 0);
   grid.mutable_cell_size()->set_x(kCell);
   grid.mutable_cell_size()->set_y(kCell);
   grid.set_column_count(kColumns);
   grid.set_cell_stride(bytes);
   grid.set_row_stride(kColumns * bytes);
-  auto* const field = grid.add_fields();
-  field->set_name("value");
-  field->set_type(type);
+  AddField(grid, "value", type);
   return grid;
 }
 
@@ -76,15 +73,7 @@ foxglove::Grid Heights() {
 foxglove::PointCloud Diagonal() {
   foxglove::PointCloud cloud;
   cloud.set_frame_id("map");
-  cloud.set_point_stride(12);
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z"}) {
-    auto* const field = cloud.add_fields();
-    field->set_name(name);
-    field->set_type(PackedElementField::FLOAT32);
-    field->set_offset(offset);
-    offset += 4;
-  }
+  for (const char* name : {"x", "y", "z"}) AddPointField(cloud, name, PackedElementField::FLOAT32, 4);
   for (int i = 0; i < 200; ++i) {
     const float at[3] = {0.05F * static_cast<float>(i) - 5, 0.04F * static_cast<float>(i) - 4, 0};
     cloud.mutable_data()->append(reinterpret_cast<const char*>(at), sizeof at);
@@ -96,100 +85,53 @@ class GridDisplayTest : public SceneTest {};
 
 TEST_F(GridDisplayTest, DrawsAMapWithPointsOnIt) {
   Add("Point cloud", "cloud", {"color", "flat", "flat", "#ff4000", "size", "3"});
-  Add("Grid", "map");
-  Publish("map", Rooms());
   Publish("cloud", Diagonal());
-  Update();
+  Show("Grid", "map", Rooms());
   ExpectAsKept("grid_map");
 }
 
 TEST_F(GridDisplayTest, DrawsTransparentCostsOverTheMap) {
   Add("Grid", "costs", {"palette", "costmap", "alpha", "0.7"});
-  Add("Grid", "map");
-  Publish("map", Rooms());
   Publish("costs", Costs());
-  Update();
+  Show("Grid", "map", Rooms());
   ExpectAsKept("grid_costs_over_map");
 }
 
 TEST_F(GridDisplayTest, DrawsRawValues) {
-  Add("Grid", "heights");
-  Publish("heights", Heights());
-  Update();
+  Show("Grid", "heights", Heights());
   ExpectAsKept("grid_raw");
 }
 
 TEST_F(GridDisplayTest, LeavesNothingOfTheOldGridWhenItIsReplaced) {
-  Add("Grid", "map");
-  Publish("map", Rooms(10));
-  Update(0);
-  (void)Draw();
-  Publish("map", Rooms(24));
-  Update(1);
-  const Pixels rewritten = Draw();
-  Update(10);  // After a rest it is settled again.
-  const Pixels settled = Draw();
-  scene_.Remove(0);
-  Add("Grid", "map");
-  Publish("map", Rooms(24));
-  Update(11);
-  const Pixels fresh = Draw();
-  EXPECT_LT(DifferentShare(rewritten, fresh), 0.001);
-  EXPECT_LT(DifferentShare(settled, fresh), 0.001);
+  ExpectNothingLeftOf(Rooms(10), Rooms(24), 0.001, "Grid");
 }
 
 TEST_F(GridDisplayTest, SettlesWithoutAnotherMessage) {
-  Display& display = Add("Grid", "map");
-  Publish("map", Rooms(10));
-  Update(0);
+  Display& display = Show("Grid", "map", Rooms(10));
   (void)Draw();
   EXPECT_EQ(display.next_change_s(), std::numeric_limits<double>::infinity());
-  Publish("map", Rooms(24));
-  Update(1);
+  Send("map", Rooms(24), 1);
   EXPECT_EQ(display.next_change_s(), 3);
   Update(3);
   EXPECT_EQ(display.next_change_s(), std::numeric_limits<double>::infinity());
 }
 
-TEST_F(GridDisplayTest, MovesWithItsFrame) {
-  Add("Grid", "map");
-  tree_.Set("map", "odom", Time{1}, RigidTransform());
-  foxglove::Grid grid = Rooms();
-  grid.set_frame_id("odom");
-  Publish("map", grid);
-  Update(0);
-  const Pixels before = Draw();
-  tree_.Set("map", "odom", Time{2}, RigidTransform({1, 0, 0, 0}, {0, 3, 0}));
-  transforms_changed_ = true;
-  Update(1);
-  EXPECT_GT(DifferentShare(before, Draw()), 0.01);
-  tree_.Set("map", "odom", Time{3}, RigidTransform());
-  transforms_changed_ = true;
-  Update(2);
-  EXPECT_LT(DifferentShare(before, Draw()), 0.002);
-}
+TEST_F(GridDisplayTest, MovesWithItsFrame) { ExpectItMovesWithItsFrame(Rooms(), 0.01, "Grid"); }
 
 TEST_F(GridDisplayTest, LooksTheSameMillionsOfMetersAway) {
-  Add("Grid", "map");
-  Publish("map", Rooms());
-  Update();
+  Show("Grid", "map", Rooms());
   const Pixels here = Draw();
   const Eigen::Vector3d there(500'000, 5'400'000, 256);
   foxglove::Grid grid = Rooms();
   auto& corner = *grid.mutable_pose()->mutable_position();
-  corner.set_x(corner.x() + there.x());
-  corner.set_y(corner.y() + there.y());
-  corner.set_z(corner.z() + there.z());
-  Publish("map", grid);
-  Update();
+  SetXyz(corner, corner.x() + there.x(), corner.y() + there.y(), corner.z() + there.z());
+  Send("map", grid);
   camera_.Follow(RigidTransform(), RigidTransform({1, 0, 0, 0}, there), false);
   EXPECT_LT(DifferentShare(here, Draw()), 0.005);
 }
 
 TEST_F(GridDisplayTest, ReadsTheGridAgainWhenThePaletteChanges) {
-  Display& display = Add("Grid", "map");
-  Publish("map", Rooms());
-  Update();
+  Display& display = Show("Grid", "map", Rooms());
   const Pixels map = Draw();
   const std::vector<Setting> settings = display.Settings();
   ASSERT_EQ(SetFromText(settings.front(), "costmap"), "");
@@ -203,22 +145,18 @@ TEST_F(GridDisplayTest, ReportsInvalidGrids) {
   EXPECT_THAT(display.Status(), Contains(HasSubstr("Nothing has arrived")));
   foxglove::Grid bad = Rooms();
   bad.clear_cell_size();
-  Publish("map", bad);
-  Update();
+  Send("map", bad);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), HasSubstr("no size"));
   tree_.SetStatic("map", "other", RigidTransform());
   foxglove::Grid lost = Rooms();
   lost.set_frame_id("nowhere");
   transforms_changed_ = true;
-  Publish("map", lost);
-  Update();
+  Send("map", lost);
   EXPECT_THAT(display.Status().front(), HasSubstr("nowhere"));
-  Publish("map", Rooms());
-  Update();
+  Send("map", Rooms());
   EXPECT_FALSE(display.HasFault());
-  Publish("map", Empty(PackedElementField::INT8, 1));
-  Update();
+  Send("map", Empty(PackedElementField::INT8, 1));
   EXPECT_THAT(display.Status().front(), HasSubstr("no cells"));
 }
 
@@ -261,27 +199,12 @@ TEST_F(GridDisplayTest, LooksTheSameInOneOrManyTextures) {
 
 TEST_F(GridDisplayTest, AppliesSettingsWhilePaused) {
   for (const auto& [name, text] : {std::pair("palette", "costmap"), std::pair("alpha", "0.5")}) {
-    Display& display = Add("Grid", "grid");
-    Publish("grid", Costs());
-    Update();
-    const Pixels before = Draw();
-    Publish("grid", Rooms());
-    SetStandingStill(display, name, text);
-    const Pixels standing = Draw();
-    scene_.Remove(0);
-    Add("Grid", "fresh", {name, text});
-    Publish("fresh", Costs());
-    Update();
-    EXPECT_EQ(DifferentShare(standing, Draw()), 0) << name;
-    EXPECT_GT(DifferentShare(standing, before), 0.01) << name;
-    scene_.Remove(0);
+    ExpectEffectWhilePaused(Costs(), Rooms(), "Grid", name, text);
   }
 }
 
 TEST_F(GridDisplayTest, BecomesOpaqueAgainWhilePaused) {
-  Display& display = Add("Grid", "grid", {"palette", "raw"});
-  Publish("grid", Costs());
-  Update();
+  Display& display = Show("Grid", "grid", Costs(), {"palette", "raw"});
   const Pixels whole = Draw();
   SetStandingStill(display, "alpha", "0.3");
   EXPECT_GT(DifferentShare(Draw(), whole), 0.01);
@@ -290,9 +213,7 @@ TEST_F(GridDisplayTest, BecomesOpaqueAgainWhilePaused) {
 }
 
 TEST_F(GridDisplayTest, ReturnsTheValueOfACell) {
-  Display& display = Add("Grid", "map");
-  Publish("map", Rooms());
-  Update();
+  Display& display = Show("Grid", "map", Rooms());
   const auto middle = [](int column, int row) {
     return Eigen::Vector3d((column + 0.5 - 0.5 * kColumns) * kCell, (row + 0.5 - 0.5 * kRows) * kCell, 0);
   };

@@ -97,35 +97,23 @@ class ImageDisplayTest : public SceneTest {
   ImagePanel panel_;
 };
 
-TEST_F(ImageDisplayTest, DrawsColors) {
-  Add("Image", "camera");
-  Publish("camera", Colors());
-  Update();
+TEST_F(ImageDisplayTest, DrawsColorsAndZoomsTowardThePointer) {
+  Show("Image", "camera", Colors());
   (void)DrawPanels();
   ExpectDrawnAsKept("image_colors");
+  const Pixels whole = DrawPanels({250, 150});
+  EXPECT_GT(DifferentShare(whole, DrawPanels({250, 150}, 5)), 0.05);
 }
 
 TEST_F(ImageDisplayTest, DrawsDepths) {
-  Display& display = Add("Image", "depth");
-  Publish("depth", Depth());
-  Update();
+  Display& display = Show("Image", "depth", Depth());
   (void)DrawPanels({250, 150});
   ExpectDrawnAsKept("image_depth");
   EXPECT_THAT(display.Status(), Contains(HasSubstr("from 500 to 4250")));
 }
 
-TEST_F(ImageDisplayTest, ZoomsTowardThePointer) {
-  Add("Image", "camera");
-  Publish("camera", Colors());
-  Update();
-  const Pixels whole = DrawPanels({250, 150});
-  EXPECT_GT(DifferentShare(whole, DrawPanels({250, 150}, 5)), 0.05);
-}
-
 TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {
-  Display& display = Add("Image", "depth", {"map", "gray"});
-  Publish("depth", Depth());
-  Update();
+  Display& display = Show("Image", "depth", Depth(), {"map", "gray"});
   const std::vector<std::uint8_t> gray = OnGpu(display);
   ASSERT_FALSE(gray.empty());
   EXPECT_EQ(gray[0], gray[1]);
@@ -140,19 +128,15 @@ TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {
 }
 
 TEST_F(ImageDisplayTest, ReturnsTheValueOfAPixel) {
-  Display& depths = Add("Image", "depth");
-  Display& colors = Add("Image", "camera");
-  Publish("depth", Depth());
-  Publish("camera", Colors());
-  Update();
+  Display& depths = Show("Image", "depth", Depth());
+  Display& colors = Show("Image", "camera", Colors());
   EXPECT_EQ(depths.PixelText(1, 2), "560");
   EXPECT_EQ(depths.PixelText(40, 30), "nothing measured");
   EXPECT_EQ(colors.PixelText(10, 20), "red 30, green 80, blue 40");
   EXPECT_EQ(colors.PixelText(kWidth, 0), "") << "outside";
   foxglove::RawImage gray = Raw("mono8", 1);
   gray.set_data(std::string(std::size_t{kWidth} * kHeight, '\x55'));
-  Publish("camera", gray);
-  Update();
+  Send("camera", gray);
   EXPECT_EQ(colors.PixelText(10, 20), "85");
 }
 
@@ -161,12 +145,10 @@ TEST_F(ImageDisplayTest, KeepsPixelsOnlyOnTheGpu) {
                                                              {"16UC1", 4}, {"32FC1", 4},  {"bayer_rggb8", 4}};
   for (const auto& [encoding, gpu_bytes] : encodings) {
     const std::string name = encoding;
-    Display& display = Add("Image", name);
     const std::uint32_t bytes = name == "rgb8" ? 3 : name == "32FC1" ? 4 : name.find("16") != name.npos ? 2 : 1;
     foxglove::RawImage image = Raw(name, bytes);
     image.set_data(std::string(std::size_t{kWidth} * kHeight * bytes, '\x3e'));
-    Publish(name, image);
-    Update();
+    Display& display = Show("Image", name, image);
     ASSERT_TRUE(display.Image()) << name;
     const ImagePicture& picture = *display.Image()->picture;
     EXPECT_EQ(picture.rgba.capacity() + picture.gray.capacity() + picture.values.capacity(), 0U) << name;
@@ -180,8 +162,7 @@ TEST_F(ImageDisplayTest, DrawsGrayImagesLikeColoredOnes) {
     foxglove::RawImage image = Raw(encoding, bytes);
     for (std::uint32_t i = 0; i < kWidth * kHeight; ++i)
       image.mutable_data()->append(bytes, static_cast<char>(i % 251));
-    Publish("camera", image);
-    Update();
+    Send("camera", image);
     EXPECT_TRUE(display.Image());
     return DrawPanels();
   };
@@ -192,7 +173,6 @@ TEST_F(ImageDisplayTest, DrawsGrayImagesLikeColoredOnes) {
 }
 
 TEST_F(ImageDisplayTest, DrawsCompressedImages) {
-  Display& display = Add("Compressed image", "camera");
   const foxglove::RawImage raw = Colors();
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -206,8 +186,7 @@ TEST_F(ImageDisplayTest, DrawsCompressedImages) {
   foxglove::CompressedImage image;
   image.set_format("png");
   image.set_data(file);
-  Publish("camera", image);
-  Update();
+  Display& display = Show("Compressed image", "camera", image);
   ASSERT_TRUE(display.Image());
   EXPECT_EQ(display.PixelText(10, 20), "red 30, green 80, blue 40");
 }
@@ -217,13 +196,11 @@ TEST_F(ImageDisplayTest, ReportsInvalidImages) {
   EXPECT_THAT(display.Status().front(), HasSubstr("Nothing has arrived"));
   foxglove::RawImage image = Colors();
   image.set_encoding("smell");
-  Publish("camera", image);
-  Update();
+  Send("camera", image);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), HasSubstr("smell"));
   EXPECT_FALSE(display.Image());
-  Publish("camera", Colors());
-  Update();
+  Send("camera", Colors());
   EXPECT_FALSE(display.HasFault());
   EXPECT_TRUE(display.Image());
 }
@@ -231,16 +208,14 @@ TEST_F(ImageDisplayTest, ReportsInvalidImages) {
 TEST_F(ImageDisplayTest, ShowsNoImageWithoutPixels) {
   Display& display = Add("Image", "camera");
   for (const bool wide : {true, false}) {
-    Publish("camera", Colors());
-    Update();
+    Send("camera", Colors());
     EXPECT_TRUE(display.Image());
     foxglove::RawImage image;
     image.set_encoding("mono8");
     image.set_width(wide ? 4'000'000'000 : 0);
     image.set_step(image.width());
     image.set_height(wide ? 0 : 4'000'000'000);
-    Publish("camera", image);
-    Update();
+    Send("camera", image);
     EXPECT_FALSE(display.Image());
     EXPECT_THAT(display.Status().front(), HasSubstr("no pixels"));
     EXPECT_EQ(display.PixelText(0, 0), "");
@@ -248,17 +223,13 @@ TEST_F(ImageDisplayTest, ShowsNoImageWithoutPixels) {
 }
 
 TEST_F(ImageDisplayTest, AppliesSettingsWhilePaused) {
-  Display& display = Add("Image", "image");
-  Publish("image", Depth());
-  Update();
+  Display& display = Show("Image", "image", Depth());
   const std::vector<std::uint8_t> before = OnGpu(display);
   Publish("image", Colors());
   SetStandingStill(display, "map", "gray");
   const std::vector<std::uint8_t> standing = OnGpu(display);
   EXPECT_NE(standing, before);
-  Display& fresh = Add("Image", "fresh", {"map", "gray"});
-  Publish("fresh", Depth());
-  Update();
+  Display& fresh = Show("Image", "fresh", Depth(), {"map", "gray"});
   EXPECT_EQ(standing, OnGpu(fresh));
 }
 

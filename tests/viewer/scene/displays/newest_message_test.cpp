@@ -32,7 +32,11 @@ Log Saying(const std::string& text) {
 
 class NewestMessageTest : public ::testing::Test {
  protected:
-  void Publish(const std::string& text) { ASSERT_EQ(session_.ToAny("log", Saying(text)), PublishStatus::kOk); }
+  /// Publishes a message and waits until it has arrived.
+  void Send(const std::string& text) {
+    ASSERT_EQ(session_.ToAny("log", Saying(text)), PublishStatus::kOk);
+    Wait();
+  }
   void Wait() { ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10))); }
 
   Session session_;
@@ -42,10 +46,7 @@ class NewestMessageTest : public ::testing::Test {
 
 TEST_F(NewestMessageTest, IsTakenOnceAndOlderOnesAreDroppedAndCounted) {
   EXPECT_FALSE(newest_.Take());
-  for (const char* text : {"a", "b", "c"}) {
-    Publish(text);
-    Wait();
-  }
+  for (const char* text : {"a", "b", "c"}) Send(text);
   EXPECT_EQ(woken_, 1);
   const auto read = newest_.Take();
   ASSERT_TRUE(read);
@@ -56,8 +57,7 @@ TEST_F(NewestMessageTest, IsTakenOnceAndOlderOnesAreDroppedAndCounted) {
 }
 
 TEST_F(NewestMessageTest, IsReadAgainWithNewOptions) {
-  Publish("a");
-  Wait();
+  Send("a");
   EXPECT_EQ(newest_.Take()->shown.option, 1);
   newest_.SetOptions(2);
   const auto read = newest_.Take();
@@ -67,14 +67,12 @@ TEST_F(NewestMessageTest, IsReadAgainWithNewOptions) {
   newest_.Clear();
   newest_.SetOptions(3);
   EXPECT_FALSE(newest_.Take());
-  Publish("b");
-  Wait();
+  Send("b");
   EXPECT_EQ(newest_.Take()->shown.option, 3);
 }
 
 TEST_F(NewestMessageTest, ReportsErrors) {
-  Publish("");
-  Wait();
+  Send("");
   EXPECT_EQ(newest_.Take()->fault, "It is empty.");
 }
 

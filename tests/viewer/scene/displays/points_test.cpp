@@ -8,6 +8,7 @@
 
 #include "foxglove/LaserScan.pb.h"
 #include "foxglove/PointCloud.pb.h"
+#include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -16,22 +17,14 @@ namespace {
 using foxglove::PackedElementField;
 using foxglove::PointCloud;
 
-void AddField(PointCloud& cloud, const std::string& name, PackedElementField::NumericType type, std::uint32_t bytes) {
-  auto* const field = cloud.add_fields();
-  field->set_name(name);
-  field->set_offset(cloud.point_stride());
-  field->set_type(type);
-  cloud.set_point_stride(cloud.point_stride() + bytes);
-}
-
 /// A spiral staircase around `center`: its intensity grows with the turns, its color with the height. Doubles, so that
 /// it may be anywhere.
 PointCloud Spiral(const Eigen::Vector3d& center = Eigen::Vector3d::Zero(), int first = 0, int count = 4000) {
   PointCloud cloud;
   cloud.set_frame_id("map");
-  for (const char* name : {"x", "y", "z"}) AddField(cloud, name, PackedElementField::FLOAT64, 8);
-  AddField(cloud, "intensity", PackedElementField::FLOAT32, 4);
-  AddField(cloud, "rgb", PackedElementField::UINT32, 4);
+  for (const char* name : {"x", "y", "z"}) AddPointField(cloud, name, PackedElementField::FLOAT64, 8);
+  AddPointField(cloud, "intensity", PackedElementField::FLOAT32, 4);
+  AddPointField(cloud, "rgb", PackedElementField::UINT32, 4);
   for (int i = first; i < first + count; ++i) {
     const double turn = 6 * std::numbers::pi * i / 4000;
     const double radius = 2 + 3 * (i % 40) / 40.0;
@@ -54,52 +47,36 @@ class PointsDisplayTest : public SceneTest {
     tree_.SetStatic("map", "other", RigidTransform());
     PointCloud cloud = Spiral();
     cloud.set_frame_id("lidar");
-    Publish("cloud", cloud);
-    Update(0);
+    Send("cloud", cloud);
     return display;
   }
 };
 
 TEST_F(PointsDisplayTest, ColorsByHeight) {
   Add("Ground");
-  Add("Point cloud", "cloud", {"color", "axis", "size", "3"});
-  Publish("cloud", Spiral());
-  Update();
+  Show("Point cloud", "cloud", Spiral(), {"color", "axis", "size", "3"});
   ExpectAsKept("points_by_height");
 }
 
-TEST_F(PointsDisplayTest, ColorsByValue) {
-  Add("Point cloud", "cloud", {"color", "value", "map", "fire", "size", "3"});
-  Publish("cloud", Spiral());
-  Update();
-  ExpectAsKept("points_by_value");
-}
-
-TEST_F(PointsDisplayTest, ShowsTheirOwnColors) {
-  Add("Point cloud", "cloud", {"color", "rgb", "size", "3"});
-  Publish("cloud", Spiral());
-  Update();
-  ExpectAsKept("points_in_their_own_colors");
-}
-
-TEST_F(PointsDisplayTest, ShowsOneColorAndASizeInMeters) {
-  Add("Point cloud", "cloud", {"color", "flat", "flat", "#40c0ff", "size", "0.25", "unit", "m"});
-  Publish("cloud", Spiral());
-  Update();
-  ExpectAsKept("points_in_meters");
+TEST_F(PointsDisplayTest, ColorsByValueByTheirOwnColorsOrAllAlikeInMeters) {
+  const std::pair<const char*, std::vector<std::string>> cases[] = {
+      {"points_by_value", {"color", "value", "map", "fire", "size", "3"}},
+      {"points_in_their_own_colors", {"color", "rgb", "size", "3"}},
+      {"points_in_meters", {"color", "flat", "flat", "#40c0ff", "size", "0.25", "unit", "m"}}};
+  for (const auto& [name, settings] : cases) {
+    Show("Point cloud", "cloud", Spiral(), settings);
+    ExpectAsKept(name);
+    scene_.Remove(0);
+  }
 }
 
 TEST_F(PointsDisplayTest, PointsKeptForeverLookLikeTheLatest) {
   for (const char* color : {"axis", "value", "rgb"}) {
     SCOPED_TRACE(color);
-    Add("Point cloud", "cloud", {"color", color, "size", "3"});
-    Publish("cloud", Spiral());
-    Update();
+    Show("Point cloud", "cloud", Spiral(), {"color", color, "size", "3"});
     const Pixels latest = Draw();
     scene_.Remove(0);
-    Add("Point cloud", "cloud", {"keep", "all", "color", color, "size", "3"});
-    Publish("cloud", Spiral());
-    Update();
+    Show("Point cloud", "cloud", Spiral(), {"keep", "all", "color", color, "size", "3"});
     EXPECT_LT(DifferentShare(latest, Draw()), 0.01);
     scene_.Remove(0);
   }
@@ -108,8 +85,7 @@ TEST_F(PointsDisplayTest, PointsKeptForeverLookLikeTheLatest) {
 TEST_F(PointsDisplayTest, AppendedPointsLookLikeAFullRedraw) {
   Display& display = Add("Point cloud", "cloud", {"keep", "all", "color", "flat", "size", "3"});
   for (int part = 0; part < 8; ++part) {
-    Publish("cloud", Spiral(Eigen::Vector3d::Zero(), part * 500, 500));
-    Update();
+    Send("cloud", Spiral(Eigen::Vector3d::Zero(), part * 500, 500));
     (void)Draw();
   }
   EXPECT_EQ(display.points(), 4000U);
@@ -122,8 +98,7 @@ TEST_F(PointsDisplayTest, AllSlicesTogetherAreTheWholePicture) {
   Add("Point cloud", "cloud", {"keep", "all", "color", "axis"});
   constexpr int kMessages = 120;  // 480 000 points: more than one slice
   for (int i = 0; i < kMessages; ++i) {
-    Publish("cloud", Spiral(Eigen::Vector3d(0.01 * i, 0.02 * i, 0)));
-    Update();
+    Send("cloud", Spiral(Eigen::Vector3d(0.01 * i, 0.02 * i, 0)));
     scene_.Draw(camera_.Matrices(kPictureSize), 1);
   }
   const Pixels grown = Draw();
@@ -136,16 +111,13 @@ TEST_F(PointsDisplayTest, AllSlicesTogetherAreTheWholePicture) {
 TEST_F(PointsDisplayTest, LooksTheSameMillionsOfMetersAway) {
   for (const char* keep : {"latest", "all"}) {
     SCOPED_TRACE(keep);
-    Add("Point cloud", "cloud", {"keep", keep, "color", "flat", "size", "3"});
-    Publish("cloud", Spiral());
-    Update();
+    Show("Point cloud", "cloud", Spiral(), {"keep", keep, "color", "flat", "size", "3"});
     camera_.Reset();
     const Pixels here = Draw();
     scene_.Remove(0);
     Add("Point cloud", "cloud", {"keep", keep, "color", "flat", "size", "3"});
     const Eigen::Vector3d there(500'000, 5'400'000, 256);
-    Publish("cloud", Spiral(there));
-    Update();
+    Send("cloud", Spiral(there));
     camera_.Follow(RigidTransform(), RigidTransform({1, 0, 0, 0}, there), false);
     EXPECT_LT(DifferentShare(here, Draw()), 0.02);
     scene_.Remove(0);
@@ -156,8 +128,7 @@ TEST_F(PointsDisplayTest, KeepsTheLastMessagesOrSeconds) {
   Display& count = Add("Point cloud", "cloud", {"keep", "count", "count", "2"});
   Display& time = Add("Point cloud", "cloud", {"keep", "time", "seconds", "1"});
   for (int i = 0; i < 3; ++i) {
-    Publish("cloud", Spiral(Eigen::Vector3d::Zero(), 0, 100));
-    Update(0.5 * i);
+    Send("cloud", Spiral(Eigen::Vector3d::Zero(), 0, 100), 0.5 * i);
   }
   EXPECT_EQ(count.points(), 200U);
   EXPECT_EQ(time.points(), 300U);
@@ -174,8 +145,7 @@ TEST_F(PointsDisplayTest, BoundsLeaveOutAMessageFarFromTheOthers) {
       const Display& display = Add("Point cloud", "cloud", {"keep", keep});
       const Eigen::Vector3d far = there.x() > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(4e7, 0, 0);
       for (const Eigen::Vector3d& center : {there, far, there, there}) {
-        Publish("cloud", Spiral(center, 0, 100));
-        Update();
+        Send("cloud", Spiral(center, 0, 100));
       }
       EXPECT_EQ(display.points(), 400U);
       const Eigen::AlignedBox3d bounds = display.Bounds();
@@ -184,12 +154,6 @@ TEST_F(PointsDisplayTest, BoundsLeaveOutAMessageFarFromTheOthers) {
       scene_.Remove(0);
     }
   }
-}
-
-TEST_F(PointsDisplayTest, ReportsHowManyHadNoTransformAndNothingElse) {
-  Display& display = AddWithoutTransform();
-  Update(3);
-  EXPECT_THAT(display.Status(), ::testing::Contains("1 message had no transform."));
 }
 
 TEST_F(PointsDisplayTest, WaitsForTransformsBeforeItReportsThem) {
@@ -207,16 +171,14 @@ TEST_F(PointsDisplayTest, WaitsForTransformsBeforeItReportsThem) {
 
 TEST_F(PointsDisplayTest, IsNeverFaultyWhenEachTransformComesShortlyAfterItsCloud) {
   Display& display = Add("Point cloud", "cloud");
-  tree_.Set("map", "lidar", Time{999'999'990}, RigidTransform());
+  Move("lidar", 999'999'990);
   for (int i = 1; i <= 5; ++i) {
     PointCloud cloud = Spiral();
     cloud.set_frame_id("lidar");
     cloud.mutable_timestamp()->set_seconds(i);
-    Publish("cloud", cloud);
-    Update(i);
+    Send("cloud", cloud, i);
     EXPECT_FALSE(display.HasFault()) << "nanoseconds after the newest transform";
-    tree_.Set("map", "lidar", Time{i * 1'000'000'000L + 999'999'990}, RigidTransform());
-    transforms_changed_ = true;
+    Move("lidar", i * 1'000'000'000L + 999'999'990);
     Update(i + 0.01);
     EXPECT_EQ(display.points(), 4000U);
     EXPECT_FALSE(display.HasFault());
@@ -232,21 +194,18 @@ TEST_F(PointsDisplayTest, StopsWaitingForATransformAfterAWhile) {
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), ::testing::HasSubstr("lidar"));
   EXPECT_TRUE(scene_.pending()) << "its row is another color now";
+  EXPECT_THAT(display.Status(), ::testing::Contains("1 message had no transform."));
 }
 
 TEST_F(PointsDisplayTest, ReportsAMalformedCloud) {
-  Display& display = Add("Point cloud", "cloud");
   PointCloud cloud = Spiral();
   cloud.mutable_data()->pop_back();
-  Publish("cloud", cloud);
-  Update();
+  Display& display = Show("Point cloud", "cloud", cloud);
   EXPECT_TRUE(display.HasFault());
   EXPECT_EQ(display.points(), 0U);
-  Publish("cloud", Spiral());
-  Update();
+  Send("cloud", Spiral());
   EXPECT_FALSE(display.HasFault());
-  Publish("cloud", PointCloud());
-  Update();
+  Send("cloud", PointCloud());
   EXPECT_EQ(display.points(), 0U);
   EXPECT_THAT(display.Status().front(), ::testing::HasSubstr("no points"));
 }
@@ -262,8 +221,7 @@ TEST_F(PointsDisplayTest, DrawsAScan) {
     const double angle = (1.5 * i / 540 - 0.75) * std::numbers::pi;
     scan.add_ranges(std::min(4 / std::abs(std::cos(angle)), 3 / std::abs(std::sin(angle))));
   }
-  Publish("scan", scan);
-  Update();
+  Send("scan", scan);
   camera_.LookFromAbove();
   ExpectAsKept("scan_of_a_room");
 }
@@ -272,8 +230,7 @@ TEST_F(PointsDisplayTest, ClearRemovesAllPoints) {
   Display& display = Add("Point cloud", "cloud", {"keep", "all"});
   Update();
   const Pixels empty = Draw();
-  Publish("cloud", Spiral());
-  Update();
+  Send("cloud", Spiral());
   EXPECT_GT(DifferentShare(empty, Draw()), 0.005);
   display.Clear();
   scene_.Redraw();

@@ -1,10 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
+#include "support/scratch_folder.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
 namespace hgros::viewer::test {
@@ -50,14 +49,11 @@ class RobotDisplayTest : public SceneTest {
  protected:
   void SetUp() override {
     SceneTest::SetUp();
-    std::string name = (fs::temp_directory_path() / "robots-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    fs::create_directories(folder_ / "rover" / "urdf");
-    fs::create_directories(folder_ / "rover" / "meshes");
-    std::ofstream(urdf()) << kRobot;
-    std::ofstream(mesh()) << kMast;
+    fs::create_directories(folder_ / "rover/urdf");
+    fs::create_directories(folder_ / "rover/meshes");
+    folder_.Write("rover/urdf/rover.urdf", kRobot);
+    folder_.Write("rover/meshes/mast.stl", kMast);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   void PlaceLinks(const RigidTransform& T_map_base = {}) {
     const auto at = [](double x, double y, double z) { return RigidTransform({1, 0, 0, 0}, {x, y, z}); };
@@ -68,18 +64,24 @@ class RobotDisplayTest : public SceneTest {
     tree_.SetStatic("base", "mast", at(-1, 0, 1.3));
     transforms_changed_ = true;
   }
-  [[nodiscard]] fs::path urdf() const { return folder_ / "rover" / "urdf" / "rover.urdf"; }
-  [[nodiscard]] fs::path mesh() const { return folder_ / "rover" / "meshes" / "mast.stl"; }
+  /// Shows the robot with its links in their places.
+  Display& ShowRobot(std::vector<std::string> settings = {}) {
+    settings.insert(settings.begin(), {"file", urdf_});
+    Display& display = Add("Robot model", "", settings);
+    PlaceLinks();
+    Update();
+    return display;
+  }
 
-  fs::path folder_;
+  const hgros::test::ScratchFolder folder_;
+  const std::string urdf_ = folder_ / "rover/urdf/rover.urdf";
+  const fs::path mesh_ = folder_ / "rover/meshes/mast.stl";
   std::int64_t stamps_ = 0;
 };
 
 TEST_F(RobotDisplayTest, PlacesLinksAtTheirFrames) {
   Add("Ground");
-  Display& display = Add("Robot model", "", {"file", urdf()});
-  PlaceLinks();
-  Update();
+  Display& display = ShowRobot();
   camera_.Zoom(2.5, 160, 120, kPictureSize);
   ExpectAsKept("robot");
   EXPECT_FALSE(display.HasFault()) << display.Status().front();
@@ -88,18 +90,14 @@ TEST_F(RobotDisplayTest, PlacesLinksAtTheirFrames) {
 
 TEST_F(RobotDisplayTest, DrawsATransparentRobot) {
   Add("Ground");
-  Add("Robot model", "", {"file", urdf(), "alpha", "0.4"});
-  PlaceLinks();
-  Update();
+  ShowRobot({"alpha", "0.4"});
   camera_.Zoom(2.5, 160, 120, kPictureSize);
   ExpectAsKept("robot_see_through");
 }
 
 TEST_F(RobotDisplayTest, DoesNotReadTheFileAgainWhenAlphaChanges) {
   Add("Ground");
-  Display& display = Add("Robot model", "", {"file", urdf()});
-  PlaceLinks();
-  Update();
+  Display& display = ShowRobot();
   fs::remove_all(folder_ / "rover");
   EXPECT_EQ(SetFromText(display.Settings().back(), "0.4"), "");
   display.OnSetting("alpha");
@@ -111,9 +109,7 @@ TEST_F(RobotDisplayTest, DoesNotReadTheFileAgainWhenAlphaChanges) {
 }
 
 TEST_F(RobotDisplayTest, RedrawsOnlyWhenLinksMove) {
-  Display& display = Add("Robot model", "", {"file", urdf()});
-  PlaceLinks();
-  Update();
+  Display& display = ShowRobot();
   const Pixels before = Draw();
   EXPECT_TRUE(display.Bounds().contains(Eigen::Vector3d(0, 0, 1)));
   PlaceLinks();
@@ -127,14 +123,12 @@ TEST_F(RobotDisplayTest, RedrawsOnlyWhenLinksMove) {
 }
 
 TEST_F(RobotDisplayTest, DrawsCollisionShapes) {
-  Display& display = Add("Robot model", "", {"file", urdf(), "shows", "collision"});
-  PlaceLinks();
-  Update();
+  Display& display = ShowRobot({"shows", "collision"});
   EXPECT_NEAR(display.Bounds().max().x(), 2, 1e-6);
 }
 
 TEST_F(RobotDisplayTest, ReportsLinksWithoutATransform) {
-  Display& display = Add("Robot model", "", {"file", urdf()});
+  Display& display = Add("Robot model", "", {"file", urdf_});
   tree_.Set("map", "elsewhere", Time{1}, RigidTransform());
   Update();
   EXPECT_FALSE(display.HasFault()) << "they may still come";
@@ -147,7 +141,7 @@ TEST_F(RobotDisplayTest, ReportsLinksWithoutATransform) {
 }
 
 TEST_F(RobotDisplayTest, PlacesUnmovedLinksAsTheDescriptionSays) {
-  Display& display = Add("Robot model", "", {"file", urdf()});
+  Display& display = Add("Robot model", "", {"file", urdf_});
   tree_.Set("map", "base", Time{1}, RigidTransform({1, 0, 0, 0}, {7, 0, 0}));
   Update();
   EXPECT_FALSE(display.HasFault());
@@ -160,7 +154,7 @@ TEST_F(RobotDisplayTest, PlacesUnmovedLinksAsTheDescriptionSays) {
 }
 
 TEST_F(RobotDisplayTest, ShowsTheRobotWhenNothingIsPublished) {
-  Display& display = Add("Robot model", "", {"file", urdf()});
+  Display& display = Add("Robot model", "", {"file", urdf_});
   Update();
   EXPECT_FALSE(display.HasFault());
   EXPECT_THAT(display.Status(), Contains("There are no transforms: base is placed at the fixed frame."));
@@ -168,18 +162,16 @@ TEST_F(RobotDisplayTest, ShowsTheRobotWhenNothingIsPublished) {
 }
 
 TEST_F(RobotDisplayTest, ReportsMissingMeshes) {
-  fs::remove(mesh());
-  Display& display = Add("Robot model", "", {"file", urdf()});
-  PlaceLinks();
-  Update();
+  fs::remove(mesh_);
+  Display& display = ShowRobot();
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), HasSubstr("mast.stl"));
   EXPECT_THAT(display.Status(), Contains(HasSubstr("5 shapes")));
 }
 
 TEST_F(RobotDisplayTest, ReportsErrorsBeforePlaces) {
-  fs::remove(mesh());
-  const Display& display = Add("Robot model", "", {"file", urdf()});
+  fs::remove(mesh_);
+  const Display& display = Add("Robot model", "", {"file", urdf_});
   Update();
   ASSERT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), HasSubstr("a mesh is missing"));
@@ -195,16 +187,14 @@ TEST_F(RobotDisplayTest, ReportsAnInvalidFile) {
   Update();
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), HasSubstr("is not a file that can be read"));
-  EXPECT_EQ(SetFromText(display.Settings().front(), folder_.string()), "");
+  EXPECT_EQ(SetFromText(display.Settings().front(), folder_.path().string()), "");
   display.OnSetting("file");
   Update();
   EXPECT_THAT(display.Status().front(), HasSubstr("is not a file that can be read")) << "a folder";
 }
 
 TEST_F(RobotDisplayTest, LooksTheSameMillionsOfMetersAway) {
-  Add("Robot model", "", {"file", urdf()});
-  PlaceLinks();
-  Update();
+  ShowRobot();
   const Pixels here = Draw();
   const RigidTransform there({1, 0, 0, 0}, {500'000, 5'400'000, 256});
   PlaceLinks(there);

@@ -11,7 +11,6 @@
 namespace hgros::viewer::test {
 namespace {
 
-using foxglove::PackedElementField;
 using foxglove::VoxelGrid;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -23,17 +22,14 @@ constexpr double kEdge = 0.3;
 VoxelGrid Ball(double radius = 8) {
   VoxelGrid grid;
   grid.set_frame_id("map");
-  grid.mutable_pose()->mutable_position()->set_x(-0.5 * kCells * kEdge);
-  grid.mutable_pose()->mutable_position()->set_y(-0.5 * kCells * kEdge);
+  SetXyz(*grid.mutable_pose()->mutable_position(), -0.5 * kCells * kEdge, -0.5 * kCells * kEdge, 0);
   grid.set_column_count(kCells);
   grid.set_row_count(kCells);
   SetXyz(*grid.mutable_cell_size(), kEdge, kEdge, kEdge);
   grid.set_cell_stride(4);
   grid.set_row_stride(4 * kCells);
   grid.set_slice_stride(4 * kCells * kCells);
-  auto* const field = grid.add_fields();
-  field->set_name("occupancy");
-  field->set_type(PackedElementField::FLOAT32);
+  AddField(grid, "occupancy", foxglove::PackedElementField::FLOAT32);
   for (int z = 0; z < kCells; ++z) {
     for (int y = 0; y < kCells; ++y) {
       for (int x = 0; x < kCells; ++x) {
@@ -50,32 +46,24 @@ VoxelGrid Ball(double radius = 8) {
 class VoxelDisplayTest : public SceneTest {};
 
 TEST_F(VoxelDisplayTest, ColorsByHeight) {
-  Add("Voxels", "voxels");
-  Publish("voxels", Ball());
-  Update();
+  Show("Voxels", "voxels", Ball());
   ExpectAsKept("voxels_by_height");
 }
 
 TEST_F(VoxelDisplayTest, ColorsByValueInAnOrthographicView) {
-  Add("Voxels", "voxels", {"color", "value", "map", "sea"});
-  Publish("voxels", Ball());
-  Update();
+  Show("Voxels", "voxels", Ball(), {"color", "value", "map", "sea"});
   camera_.SetOrthographic(true);
   ExpectAsKept("voxels_by_value");
 }
 
 TEST_F(VoxelDisplayTest, DrawsTransparentVoxels) {
   Add("Ground");
-  Add("Voxels", "voxels", {"color", "flat", "flat", "#40a0ff", "alpha", "0.3"});
-  Publish("voxels", Ball(6));
-  Update();
+  Show("Voxels", "voxels", Ball(6), {"color", "flat", "flat", "#40a0ff", "alpha", "0.3"});
   ExpectAsKept("voxels_see_through");
 }
 
 TEST_F(VoxelDisplayTest, DrawsTheFacesTowardTheEyeFromAnywhere) {
-  Add("Voxels", "voxels", {"color", "flat", "flat", "#ffffff"});
-  Publish("voxels", Ball());
-  Update();
+  Show("Voxels", "voxels", Ball(), {"color", "flat", "flat", "#ffffff"});
   for (int step = 0; step < 8; ++step) {
     camera_.Orbit(0.8, step % 2 == 0 ? 0.4 : -0.4);
     const Pixels pixels = Draw();
@@ -86,94 +74,39 @@ TEST_F(VoxelDisplayTest, DrawsTheFacesTowardTheEyeFromAnywhere) {
 }
 
 TEST_F(VoxelDisplayTest, LooksTheSameInATurnedFrameMillionsOfMetersAway) {
-  Add("Voxels", "voxels", {"color", "value"});
-  Publish("voxels", Ball());
-  Update(0);
-  const Pixels here = Draw();
   const RigidTransform T_map_utm(RigidTransform::Rotation(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ())),
                                  {500'000, 5'400'000, 256});
-  tree_.SetStatic("map", "utm", T_map_utm);
-  transforms_changed_ = true;
-  VoxelGrid grid = Ball();
-  grid.set_frame_id("utm");
-  Publish("voxels", grid);
-  Update(1);
-  camera_.Follow(RigidTransform(), T_map_utm, true);
-  EXPECT_LT(DifferentShare(here, Draw()), 0.01);
+  VoxelGrid there = Ball();
+  there.set_frame_id("utm");
+  ExpectTheSameFarAway(Ball(), there, T_map_utm, "Voxels", {"color", "value"});
 }
 
 TEST_F(VoxelDisplayTest, LeavesNothingOfTheOldGridWhenItIsReplaced) {
-  Add("Voxels", "voxels", {"color", "value"});
-  Publish("voxels", Ball(8));
-  Update(0);
-  (void)Draw();
-  Publish("voxels", Ball(5));
-  Update(1);
-  const Pixels rewritten = Draw();
-  Update(10);
-  const Pixels settled = Draw();
-  scene_.Remove(0);
-  Add("Voxels", "voxels", {"color", "value"});
-  Publish("voxels", Ball(5));
-  Update(11);
-  const Pixels fresh = Draw();
-  EXPECT_LT(DifferentShare(rewritten, fresh), 0.001);
-  EXPECT_LT(DifferentShare(settled, fresh), 0.001);
+  ExpectNothingLeftOf(Ball(8), Ball(5), 0.001, "Voxels", {"color", "value"});
 }
 
 TEST_F(VoxelDisplayTest, CountsAllVoxelsAndDrawsNoneInside) {
-  Display& display = Add("Voxels", "voxels");
-  Publish("voxels", Ball());
-  Update();
+  Display& display = Show("Voxels", "voxels", Ball());
   EXPECT_THAT(display.Status(), Contains(HasSubstr("voxels are occupied")));
   EXPECT_LT(display.gpu_bytes(), 12U * kCells * kCells * 4);
   VoxelGrid bad = Ball();
   bad.clear_fields();
-  Publish("voxels", bad);
-  Update();
+  Send("voxels", bad);
   EXPECT_TRUE(display.HasFault());
 }
 
 TEST_F(VoxelDisplayTest, WaitsAgainForATransformAfterAnEmptyMessage) {
-  Display& display = Add("Voxels", "voxels");
-  tree_.SetStatic("map", "other", RigidTransform());
-  VoxelGrid full = Ball();
-  full.set_frame_id("lidar");
-  Publish("voxels", full);
-  Update(0);
-  Update(2);
-  EXPECT_TRUE(display.HasFault());
-  VoxelGrid empty = full;
-  empty.set_data(std::string(full.data().size(), '\0'));
-  Publish("voxels", empty);
-  Update(3);
-  EXPECT_FALSE(display.HasFault()) << display.Status().front();
-  Publish("voxels", full);
-  Update(10);
-  EXPECT_FALSE(display.HasFault()) << "the transform may still come";
-  EXPECT_THAT(display.WaitsFor(), HasSubstr("lidar"));
-  Update(12);
-  EXPECT_TRUE(display.HasFault());
+  VoxelGrid empty = Ball();
+  empty.set_data(std::string(empty.data().size(), '\0'));
+  ExpectItWaitsAgainAfterAnEmptyMessage(Ball(), empty, "Voxels");
 }
 
 TEST_F(VoxelDisplayTest, AppliesSettingsWhilePaused) {
-  Display& display = Add("Voxels", "voxels");
-  Publish("voxels", Ball());
-  Update();
-  Publish("voxels", Ball(3));
-  SetStandingStill(display, "threshold", "12");
-  const Pixels standing = Draw();
-  scene_.Remove(0);
-  Add("Voxels", "fresh", {"threshold", "12"});
-  Publish("fresh", Ball());
-  Update();
-  EXPECT_EQ(DifferentShare(standing, Draw()), 0);
+  ExpectEffectWhilePaused(Ball(), Ball(3), "Voxels", "threshold", "12");
 }
 
 TEST_F(VoxelDisplayTest, ReturnsTheValueOfTheVoxelBehindAFace) {
-  Display& display = Add("Voxels", "voxels");
-  Publish("voxels", Ball());
-  Update();
+  Display& display = Show("Voxels", "voxels", Ball());
   const double plate_top = kEdge;
   const double x = (2.5 - 0.5 * kCells) * kEdge;
   for (const double off : {-1e-4, 0.0, 1e-4}) {

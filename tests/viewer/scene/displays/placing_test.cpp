@@ -1,7 +1,8 @@
-#include "viewer/scene/displays/placement.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "viewer/scene/displays/placement.hpp"
+#include "viewer/scene/displays/settling.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -90,6 +91,41 @@ TEST_F(PlacementTest, IsFoundAgainInANewFixedFrame) {
 TEST_F(PlacementTest, MakesTheFirstFrameTheFixedOneWithoutTransforms) {
   EXPECT_TRUE(Follow("camera"));
   EXPECT_EQ(frame_.name(), "camera");
+}
+
+TEST(Settling, SettlesAtOnceAndDrawsTheFirstMessageOnce) {
+  Settling settling;
+  EXPECT_FALSE(settling.TakeNew());
+  EXPECT_FALSE(settling.TakeSettled());
+  EXPECT_EQ(settling.Replaced(0), Change::kAppended);
+  EXPECT_TRUE(settling.TakeNew());
+  EXPECT_FALSE(settling.TakeNew());
+  EXPECT_TRUE(settling.TakeSettled());
+  EXPECT_FALSE(settling.moves());
+}
+
+TEST(Settling, MovesUntilItHasNotBeenReplacedForAWhile) {
+  Settling settling;
+  EXPECT_EQ(settling.Replaced(0), Change::kAppended);
+  EXPECT_EQ(settling.Replaced(1), Change::kRedraw);
+  EXPECT_TRUE(settling.moves());
+  EXPECT_EQ(settling.next_change_s(), 3);
+  EXPECT_EQ(settling.Replaced(2), Change::kMoving);
+  EXPECT_FALSE(settling.TakeNew());
+  EXPECT_FALSE(settling.TakeSettled());
+  EXPECT_EQ(settling.Rest(3.9), Change::kNothing);
+  EXPECT_EQ(settling.Rest(4), Change::kAppended);
+  EXPECT_TRUE(settling.settled());
+  EXPECT_TRUE(settling.TakeNew());
+}
+
+TEST(Settling, StartsAgainAfterItWasRemoved) {
+  Settling settling;
+  EXPECT_EQ(settling.Gone(), Change::kMoving);
+  EXPECT_EQ(settling.Replaced(0), Change::kAppended);
+  EXPECT_EQ(settling.Gone(), Change::kRedraw);
+  EXPECT_FALSE(settling.TakeSettled());
+  EXPECT_EQ(settling.Replaced(1), Change::kAppended);
 }
 
 }  // namespace
