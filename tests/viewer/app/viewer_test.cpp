@@ -10,10 +10,11 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "foxglove/Log.pb.h"
 #include "foxglove/PointCloud.pb.h"
@@ -21,12 +22,82 @@
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
-#include "viewer/app/scripted_surface.hpp"
+#include "support/error_of.hpp"
+#include "support/scratch_folder.hpp"
 #include "viewer/app/showing.hpp"
+#include "viewer/app/surface/offscreen.hpp"
 #include "viewer/e2e/message_parts.hpp"
+#include "viewer/scene/gl/picture.hpp"
 
 namespace hgros::viewer::test {
 namespace {
+
+/// A surface in memory that runs one step after each picture. It closes after the last one.
+class ScriptedSurface : public Offscreen {
+ public:
+  using Step = std::function<void(ScriptedSurface&)>;
+
+  explicit ScriptedSurface(std::vector<Step> steps, const Viewport& room = {640, 480})
+      : Offscreen(room), shown_(room), steps_(std::move(steps)) {}
+
+  // Actions for steps.
+  void Resize(const Viewport& size) { shown_ = size; }
+  void Rescale(float scale) { scale_ = scale; }
+  void Lose() { lost_ = true; }
+  /// Hides it for this number of turns.
+  void Hide(int turns) { hidden_turns_ = turns; }
+  /// The current step runs again after the next picture.
+  void Again() { --next_; }
+  void Press(int key) { input_.push_back({InputEvent::Kind::kKey, {}, 0, 0, 0, key}); }
+  void Click(double x, double y, bool shift) {
+    input_.push_back({InputEvent::Kind::kPress, PointerButton::kLeft, x, y, 0, 0, shift});
+    input_.push_back({InputEvent::Kind::kRelease, PointerButton::kLeft, x, y, 0, 0, shift});
+  }
+
+  /// The shown pixels, 3 bytes each.
+  [[nodiscard]] std::vector<std::uint8_t> Pixels() const {
+    Picture copy;
+    copy.Resize(shown_);
+    copy.TakeFrom(framebuffer());
+    return copy.Pixels();
+  }
+  [[nodiscard]] int pictures() const noexcept { return pictures_; }
+
+  void Wait(double seconds) override {
+    if (pictures_ == done_ || next_ == steps_.size()) return Offscreen::Wait(seconds);
+    done_ = pictures_;
+    steps_[next_++](*this);
+  }
+  [[nodiscard]] bool TakeDisturbed() override { return true; }
+  [[nodiscard]] std::vector<InputEvent> TakeInput() override {
+    if (hidden_turns_ > 0) --hidden_turns_;
+    return std::exchange(input_, {});
+  }
+  [[nodiscard]] bool hidden() const override { return hidden_turns_ > 0; }
+  [[nodiscard]] bool closing() const override { return next_ == steps_.size() && pictures_ > done_; }
+  [[nodiscard]] bool lost() const override { return lost_; }
+  [[nodiscard]] Viewport size() const override { return shown_; }
+  [[nodiscard]] float scale() const override { return scale_; }
+  void BeginPanels() override {
+    Offscreen::BeginPanels();
+    ImGui::GetIO().DisplaySize = {static_cast<float>(shown_.width), static_cast<float>(shown_.height)};
+  }
+  void Present() override {
+    Offscreen::Present();
+    ++pictures_;
+  }
+
+ private:
+  Viewport shown_;
+  float scale_ = 1;
+  bool lost_ = false;
+  int hidden_turns_ = 0;
+  std::vector<InputEvent> input_;
+  std::vector<Step> steps_;
+  std::size_t next_ = 0;
+  int pictures_ = 0;
+  int done_ = 0;
+};
 
 /// Sessions of this process find each other while it exists.
 class MetOnThisHost {
@@ -60,14 +131,41 @@ class ViewerTest : public ::testing::Test {
     }
   }
   /// Runs the steps. Returns the viewer's layout at the end.
-  Layout Do(std::vector<ScriptedSurface::Step> steps, const std::optional<Layout>& layout = std::nullopt) {
-    ScriptedSurface surface(std::move(steps));
+  Layout Do(std::vector<ScriptedSurface::Step> steps, const std::optional<Layout>& layout = std::nullopt,
+            const Viewport& room = {640, 480}) {
+    ScriptedSurface surface(std::move(steps), room);
     Viewer viewer(options_, layout, surface);
     running_ = &viewer;
     EXPECT_EQ(viewer.Run(), 0);
     running_ = nullptr;
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     return viewer.CurrentLayout();
+  }
+  /// Runs the steps of each surface, one after the other. Returns the exit code. Sets `made_` and `running_`.
+  int DoOnSurfaces(
+      const std::vector<std::vector<ScriptedSurface::Step>>& surfaces,
+      const std::function<void(Viewer*)>& watch = [](Viewer*) {}) {
+    const auto make = [&]() -> std::unique_ptr<Surface> {
+      return std::make_unique<ScriptedSurface>(surfaces.at(made_++));
+    };
+    return ShowUntilClosed(options_, std::nullopt, make, [&](Viewer* viewer) {
+      running_ = viewer;
+      watch(viewer);
+    });
+  }
+  static void Lose(ScriptedSurface& surface) { surface.Lose(); }
+  static void DoNothing(ScriptedSurface& /*surface*/) {}
+  /// Repeats a step until it returns true, for 20 s.
+  static ScriptedSurface::Step Until(std::function<bool(ScriptedSurface&)> step) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    return [step = std::move(step), deadline](ScriptedSurface& surface) {
+      if (!step(surface) && std::chrono::steady_clock::now() < deadline) surface.Again();
+    };
+  }
+  /// The error of a viewer that cannot be made.
+  std::string FaultOf(const std::optional<Layout>& layout) {
+    ScriptedSurface surface({});
+    return hgros::test::ErrorOf([&] { const Viewer viewer(options_, layout, surface); });
   }
   static ScriptedSurface::Step Key(int key) {
     return [key](ScriptedSurface& surface) { surface.Press(key); };
@@ -79,7 +177,8 @@ class ViewerTest : public ::testing::Test {
   }
 
   Options options_;
-  const Viewer* running_ = nullptr;  ///< Set by Do.
+  const Viewer* running_ = nullptr;
+  std::size_t made_ = 0;
 };
 
 TEST_F(ViewerTest, OpensAndClosesPanelsByKeys) {
@@ -137,57 +236,38 @@ TEST_F(ViewerTest, RescalesFontsWhenTheScreenChanges) {
 TEST_F(ViewerTest, PausesStepsAndResumes) { (void)Do({Key(' '), Key('N'), Key('N'), Key(' '), Key('N'), Key(' ')}); }
 
 TEST_F(ViewerTest, RestoresEverythingAfterALostSurface) {
-  int made = 0;
   Layout last;
-  Viewer* running = nullptr;
-  const auto surface = [&]() -> std::unique_ptr<Surface> {
-    ++made;
-    if (made == 1) {
-      return std::make_unique<ScriptedSurface>(
-          std::vector<ScriptedSurface::Step>{Key('T'), Key('4'), [](ScriptedSurface& at) { at.Lose(); }});
-    }
-    return std::make_unique<ScriptedSurface>(
-        std::vector<ScriptedSurface::Step>{Key('H'), [&](ScriptedSurface&) { last = running->CurrentLayout(); }});
-  };
   options_.channels = {{"cloud", "foxglove.PointCloud", {{"keep", "all"}}}};
-  const int code = ShowUntilClosed(options_, std::nullopt, surface, [&](Viewer* viewer) { running = viewer; });
-  EXPECT_EQ(code, 0);
-  EXPECT_EQ(made, 2);
+  EXPECT_EQ(DoOnSurfaces(
+                {{Key('T'), Key('4'), Lose}, {Key('H'), [&](ScriptedSurface&) { last = running_->CurrentLayout(); }}}),
+            0);
+  EXPECT_EQ(made_, 2U);
   EXPECT_EQ(PanelsOf(last), std::vector<std::string>{"Plot"});
   EXPECT_EQ(std::ranges::count(*last.displays, "cloud", &LayoutDisplay::channel), 1) << "once, not twice";
 }
 
 TEST_F(ViewerTest, EndsWatchingWhenTheViewerThrows) {
   std::vector<bool> watched;
-  const auto surface = []() -> std::unique_ptr<Surface> {
-    return std::make_unique<ScriptedSurface>(
-        std::vector<ScriptedSurface::Step>{[](ScriptedSurface&) { throw Error("The picture is too large."); }});
-  };
-  const auto watch = [&](Viewer* viewer) { watched.push_back(viewer != nullptr); };
-  EXPECT_THROW((void)ShowUntilClosed(options_, std::nullopt, surface, watch), Error);
+  EXPECT_THROW((void)DoOnSurfaces({{[](ScriptedSurface&) { throw Error("The picture is too large."); }}},
+                                  [&](Viewer* viewer) { watched.push_back(viewer != nullptr); }),
+               Error);
   EXPECT_EQ(watched, (std::vector<bool>{true, false}));
 }
 
 TEST_F(ViewerTest, KeepsRemovedDisplaysRemovedAfterALostSurface) {
-  int made = 0;
   Carried last;
-  Viewer* running = nullptr;
-  const auto surface = [&]() -> std::unique_ptr<Surface> {
-    if (++made == 1) {
-      return std::make_unique<ScriptedSurface>(
-          std::vector<ScriptedSurface::Step>{[](ScriptedSurface& at) { at.Lose(); }});
-    }
-    return std::make_unique<ScriptedSurface>(
-        std::vector<ScriptedSurface::Step>{[&](ScriptedSurface&) { last = running->Carry(); }});
-  };
   const auto watch = [&](Viewer* viewer) {
-    running = viewer;
-    if (viewer != nullptr && made == 1) viewer->TakeOver({{}, {"removed"}, false});
+    if (viewer != nullptr && made_ == 1) viewer->TakeOver({{}, {"removed"}, false});
   };
-  EXPECT_EQ(ShowUntilClosed(options_, std::nullopt, surface, watch), 0);
-  EXPECT_EQ(made, 2);
+  EXPECT_EQ(DoOnSurfaces({{Lose}, {[&](ScriptedSurface&) { last = running_->Carry(); }}}, watch), 0);
+  EXPECT_EQ(made_, 2U);
   EXPECT_TRUE(last.found.contains("removed")) << "it does not come back";
   EXPECT_FALSE(last.keeps_finding) << "the written layout must not change because of the loss";
+}
+
+TEST_F(ViewerTest, GivesUpAfterRepeatedLossesOfTheSurface) {
+  EXPECT_EQ(DoOnSurfaces({{Lose, DoNothing}, {Lose, DoNothing}, {Lose, DoNothing}}), 1);
+  EXPECT_EQ(made_, 3U);
 }
 
 TEST_F(ViewerTest, RestoresTheViewRelativeToAFollowedFrameThatHasMoved) {
@@ -204,14 +284,9 @@ TEST_F(ViewerTest, RestoresTheViewRelativeToAFollowedFrameThatHasMoved) {
     transforms.ToStaticTF("map", "base", RigidTransform({1, 0, 0, 0}, {100, 0, 0}));
     transforms.Flush();
     std::vector<std::uint8_t> shown;
-    const auto until = [deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](auto holds) {
-      return [=](ScriptedSurface& surface) {
-        if (!holds(surface.Pixels()) && std::chrono::steady_clock::now() < deadline) surface.Again();
-      };
-    };
-    const auto settled = until([&](std::vector<std::uint8_t> pixels) {
-      const bool drawn = std::ranges::any_of(pixels, [](std::uint8_t value) { return value > 150; });
-      shown = std::move(pixels);
+    const auto settled = Until([&](ScriptedSurface& surface) {
+      shown = surface.Pixels();
+      const bool drawn = std::ranges::any_of(shown, [](std::uint8_t value) { return value > 150; });
       return drawn && running_->CurrentLayout().camera->relative;
     });
     const Layout kept = Do({settled, Key('A'), Key('E'), settled});
@@ -223,7 +298,8 @@ TEST_F(ViewerTest, RestoresTheViewRelativeToAFollowedFrameThatHasMoved) {
     transforms.ToStaticTF("map", "base", RigidTransform(turn, {-300, 70, 5}));
     transforms.Flush();
     bool same = false;
-    const Layout again = Do({until([&](const std::vector<std::uint8_t>& pixels) {
+    const Layout again = Do({Until([&](ScriptedSurface& surface) {
+                              const std::vector<std::uint8_t> pixels = surface.Pixels();
                               std::size_t different = 0;
                               for (std::size_t i = 0; i < pixels.size(); ++i) {
                                 different += std::abs(pixels[i] - shown[i]) > 48 ? 1U : 0U;
@@ -246,18 +322,15 @@ TEST_F(ViewerTest, MovesAtOnceToANewlyFollowedFrame) {
   transforms.Flush();
   options_.fixed_frame = "map";
   options_.follow = "left";
-  Viewer* running = nullptr;
   LayoutCamera before;
-  std::vector<ScriptedSurface::Step> steps;
-  steps.emplace_back([&, deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
-    before = *running->CurrentLayout().camera;
-    if (!before.relative && std::chrono::steady_clock::now() < deadline) at.Again();
+  std::vector<ScriptedSurface::Step> steps = {Until([&](ScriptedSurface&) {
+    before = *running_->CurrentLayout().camera;
     ImGui::SetWindowCollapsed("View", false);
-  });
-  const auto nothing = [](ScriptedSurface&) {};
+    return before.relative;
+  })};
   /// Clicks on a row of a window with rows of that height.
   const auto click = [&](const char* name, int row, float (*height)()) {
-    steps.emplace_back(nothing);  // The window gets its size.
+    steps.emplace_back(DoNothing);  // The window gets its size.
     steps.emplace_back([=](ScriptedSurface&) {
       const ImGuiWindow* const window = ImGui::FindWindowByName(name);
       ASSERT_NE(window, nullptr) << name;
@@ -272,12 +345,8 @@ TEST_F(ViewerTest, MovesAtOnceToANewlyFollowedFrame) {
   };
   click("View", 2, ImGui::GetFrameHeight);     // orthographic, from above, follow
   click("##Combo_00", 3, ImGui::GetFontSize);  // nothing, left, map, right
-  steps.emplace_back(nothing);
-  ScriptedSurface surface(std::move(steps));
-  Viewer viewer(options_, std::nullopt, surface);
-  running = &viewer;
-  EXPECT_EQ(viewer.Run(), 0);
-  const Layout after = viewer.CurrentLayout();
+  steps.emplace_back(DoNothing);
+  const Layout after = Do(std::move(steps));
   EXPECT_TRUE(before.relative);
   EXPECT_EQ(after.follow, "right");
   EXPECT_TRUE(after.camera->relative) << "nothing else has moved since";
@@ -287,17 +356,7 @@ TEST_F(ViewerTest, MovesAtOnceToANewlyFollowedFrame) {
 /// A transparent white cube of 4 m around the origin of a frame.
 foxglove::SceneUpdate Glass(const std::string& frame) {
   foxglove::SceneUpdate update;
-  auto* const entity = update.add_entities();
-  entity->set_frame_id(frame);
-  entity->set_id("glass");
-  auto* const cube = entity->add_cubes();
-  SetXyz(*cube->mutable_size(), 4, 4, 4);
-  for (auto* const color : {cube->mutable_color()}) {
-    color->set_r(1);
-    color->set_g(1);
-    color->set_b(1);
-    color->set_a(0.4);
-  }
+  SetSolid(*AddEntity(update, "glass", frame).add_cubes(), {0, 0, 0}, {4, 4, 4}, {1, 1, 1, 0.4});
   return update;
 }
 
@@ -309,12 +368,10 @@ TEST_F(ViewerTest, SetsTheAnchorOnlyOnVisibleThings) {
   Session robot;
   constexpr Viewport kSmall{640, 300};
   std::optional<std::array<double, 3>> first;
-  const auto nothing = [](ScriptedSurface&) {};
-  const auto shown = [&, deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
+  const auto shown = Until([&](ScriptedSurface& at) {
     (void)robot.ToAny("glass", Glass("map"));
-    const bool seen = at.Pixels()[3 * (kSmall.width * kSmall.height / 2 + kSmall.width / 2)] > 60;
-    if (!seen && std::chrono::steady_clock::now() < deadline) at.Again();
-  };
+    return at.Pixels()[3 * (kSmall.width * kSmall.height / 2 + kSmall.width / 2)] > 60;
+  });
   const auto click = [&](ScriptedSurface& at) { at.Click(kSmall.width / 2.0, kSmall.height / 2.0, false); };
   const auto look = [&](ScriptedSurface&) { first = running_->CurrentLayout().camera->anchor; };
   const auto beside = [](ScriptedSurface& at) {
@@ -322,7 +379,7 @@ TEST_F(ViewerTest, SetsTheAnchorOnlyOnVisibleThings) {
     at.Click(30, 20, false);
   };
   const Layout last =
-      Do({[&](ScriptedSurface& at) { at.Resize(kSmall); }, shown, click, nothing, look, beside, nothing});
+      Do({[&](ScriptedSurface& at) { at.Resize(kSmall); }, shown, click, DoNothing, look, beside, DoNothing});
   ASSERT_TRUE(first);
   for (const double along : *first) EXPECT_LT(std::abs(along), 2.01);
   EXPECT_EQ(last.camera->anchor, first) << "there is nothing in that corner";
@@ -334,12 +391,10 @@ TEST_F(ViewerTest, FollowsAFrameNamedOnlyByMessages) {
   options_.follow = "base";
   const MetOnThisHost met;
   Session robot;
-  const auto followed = [&,
-                         deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
+  const auto followed = Until([&](ScriptedSurface&) {
     (void)robot.ToAny("glass", Glass("base"));
-    const bool done = running_->CurrentLayout().camera->relative;
-    if (!done && std::chrono::steady_clock::now() < deadline) at.Again();
-  };
+    return running_->CurrentLayout().camera->relative;
+  });
   EXPECT_TRUE(Do({followed}).camera->relative);
 }
 
@@ -356,8 +411,7 @@ TEST_F(ViewerTest, AcceptsOnAndOffForVisible) {
     EXPECT_EQ(Do({Key('H')}).displays->front().visible, visible) << text;
   }
   options_.displays = {{"Ground", "", {{"visible", "no"}}}};
-  ScriptedSurface surface({});
-  EXPECT_THROW(Viewer(options_, std::nullopt, surface), Error);
+  EXPECT_NE(FaultOf(std::nullopt), "");
 }
 
 TEST_F(ViewerTest, ReportsMissingChannelsWhenTheWindowCloses) {
@@ -405,17 +459,6 @@ TEST_F(ViewerTest, DoesNotSayThatNothingHasArrivedIfAPanelShowsIt) {
   }
 }
 
-TEST_F(ViewerTest, GivesUpAfterRepeatedLossesOfTheSurface) {
-  int made = 0;
-  const auto surface = [&]() -> std::unique_ptr<Surface> {
-    ++made;
-    return std::make_unique<ScriptedSurface>(
-        std::vector<ScriptedSurface::Step>{[](ScriptedSurface& at) { at.Lose(); }, [](ScriptedSurface&) {}});
-  };
-  EXPECT_EQ(ShowUntilClosed(options_, std::nullopt, surface, [](Viewer*) {}), 1);
-  EXPECT_EQ(made, 3);
-}
-
 TEST_F(ViewerTest, SwitchesOtherSettingsThatAGivenOneNeeds) {
   const auto text = [](const Layout& layout, const std::string& name) -> std::string {
     const auto display = std::ranges::find(*layout.displays, "cloud", &LayoutDisplay::channel);
@@ -434,104 +477,70 @@ TEST_F(ViewerTest, SwitchesOtherSettingsThatAGivenOneNeeds) {
 
 TEST_F(ViewerTest, ExplainsThatAChannelHasAnotherType) {
   const std::string sentence = "\"cloud\" carries foxglove.PointCloud; a Grid shows foxglove.Grid.";
-  const auto fault = [&](const std::optional<Layout>& layout) -> std::string {
-    ScriptedSurface surface({});
-    try {
-      const Viewer viewer(options_, layout, surface);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "nothing is wrong";
-  };
   Layout layout;
   layout.displays = {{{"Point cloud", "cloud", true, {}}, {"Grid", "cloud", true, {}, {"layout.yaml", 3, 5}}}};
-  EXPECT_EQ(fault(layout), "layout.yaml:3:5: " + sentence);
+  EXPECT_EQ(FaultOf(layout), "layout.yaml:3:5: " + sentence);
   options_.channels = {{"cloud", "foxglove.PointCloud", {}}, {"cloud", "foxglove.Grid", {}}};
-  EXPECT_EQ(fault(std::nullopt), sentence);
+  EXPECT_EQ(FaultOf(std::nullopt), sentence);
 }
 
 TEST_F(ViewerTest, ReportsErrorsInALayout) {
-  const auto fault = [&](const Layout& layout) -> std::string {
-    ScriptedSurface surface({});
-    try {
-      const Viewer viewer(options_, layout, surface);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "nothing is wrong";
-  };
   const auto shown = [](LayoutDisplay display) {
     Layout layout;
     display.where = {"layout.yaml", 3, 5};
     layout.displays = {{display}};
     return layout;
   };
-  EXPECT_NE(fault(shown({"Groud", "", true, {}})).find("There are Point cloud"), std::string::npos);
-  EXPECT_NE(fault(shown({"Point cloud", "", true, {}})).find("needs a channel"), std::string::npos);
-  EXPECT_NE(fault(shown({"Ground", "cloud", true, {}})).find("has no channel"), std::string::npos);
+  const std::pair<LayoutDisplay, const char*> cases[] = {{{"Groud", "", true, {}}, "There are Point cloud"},
+                                                         {{"Point cloud", "", true, {}}, "needs a channel"},
+                                                         {{"Ground", "cloud", true, {}}, "has no channel"}};
+  for (const auto& [display, words] : cases) {
+    const std::string fault = FaultOf(shown(display));
+    EXPECT_TRUE(fault.starts_with("layout.yaml:3:5: ") && fault.find(words) != std::string::npos) << fault;
+  }
   const LayoutSetting wrong{"cell", "x", {"layout.yaml", 7, 9}};
-  EXPECT_NE(fault(shown({"Ground", "", true, {wrong}})).find("layout.yaml:7:9"), std::string::npos);
+  EXPECT_NE(FaultOf(shown({"Ground", "", true, {wrong}})).find("layout.yaml:7:9"), std::string::npos);
   Layout layout;
   layout.panels = {{{"Radar", std::nullopt, {}}, {"layout.yaml", 2, 5}}};
-  EXPECT_NE(fault(layout).find("layout.yaml:2:5"), std::string::npos);
+  EXPECT_NE(FaultOf(layout).find("layout.yaml:2:5"), std::string::npos);
 }
 
-/// The layout file of a test, in a folder of its own.
-class LayoutFolder {
- public:
-  LayoutFolder() { std::filesystem::create_directory(folder_); }
-  LayoutFolder(const LayoutFolder&) = delete;
-  LayoutFolder& operator=(const LayoutFolder&) = delete;
-  ~LayoutFolder() { std::filesystem::remove_all(folder_); }
-  [[nodiscard]] std::filesystem::path File(const std::string& name) const { return folder_ / name; }
-  [[nodiscard]] std::string Text(const std::string& name) const {
-    std::ifstream file(File(name));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  void Write(const std::string& name, const std::string& text) const { std::ofstream(File(name)) << text; }
-
- private:
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("viewer_layout_test_" + std::to_string(getpid()));
-};
-
 TEST_F(ViewerTest, NeverReplacesALayoutThatItHasNotRead) {
-  const LayoutFolder folder;
-  options_.config = folder.File("layout.yaml");
+  const hgros::test::ScratchFolder folder;
+  options_.config = folder / "layout.yaml";
   folder.Write("layout.yaml", "mine");
   std::string second;
-  (void)Do({Key('L'),
-            [&](ScriptedSurface& at) {
-              second = folder.Text("layout-2.yaml");
-              at.Press('4');
-            },
-            Key('L'), Key('H')});
-  EXPECT_EQ(folder.Text("layout.yaml"), "mine");
+  const auto read = [&](ScriptedSurface& at) {
+    second = folder.Read("layout-2.yaml");
+    at.Press('4');
+  };
+  (void)Do({Key('L'), read, Key('L'), Key('H')});
+  EXPECT_EQ(folder.Read("layout.yaml"), "mine");
   EXPECT_NE(second.find("displays:"), std::string::npos) << "it has another name";
-  EXPECT_NE(folder.Text("layout-2.yaml").find("kind: Plot"), std::string::npos) << "its own file is replaced";
-  EXPECT_FALSE(std::filesystem::exists(folder.File("layout-3.yaml")));
+  EXPECT_NE(folder.Read("layout-2.yaml").find("kind: Plot"), std::string::npos) << "its own file is replaced";
+  EXPECT_FALSE(std::filesystem::exists(folder / "layout-3.yaml"));
 }
 
 TEST_F(ViewerTest, ReplacesTheLayoutThatItHasReadAndThatOnly) {
-  const LayoutFolder folder;
-  options_.config = folder.File("layout.yaml");
+  const hgros::test::ScratchFolder folder;
+  options_.config = folder / "layout.yaml";
   folder.Write("layout.yaml", "fixed_frame: map\n");
   Layout layout;
   layout.fixed_frame = "map";
   (void)Do({Key('L'), Key('H')}, layout);
-  EXPECT_NE(folder.Text("layout.yaml").find("displays:"), std::string::npos);
-  EXPECT_FALSE(std::filesystem::exists(folder.File("layout-2.yaml")));
+  EXPECT_NE(folder.Read("layout.yaml").find("displays:"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "layout-2.yaml"));
   layout.save_on_exit = true;
   options_.config.clear();  // A lost surface gives a layout without a file.
   ScriptedSurface surface({Key('H')});
   Viewer viewer(options_, layout, surface);
-  LayoutTarget target(folder.File("other.yaml"));
+  LayoutTarget target(folder / "other.yaml");
   target.save_on_exit = true;
   folder.Write("other.yaml", "mine");
   viewer.TakeOver({{}, {}, false, target});
   EXPECT_EQ(viewer.Run(), 0);
-  EXPECT_EQ(folder.Text("other.yaml"), "mine") << "it is not replaced on exit either";
-  EXPECT_NE(folder.Text("other-2.yaml").find("displays:"), std::string::npos);
+  EXPECT_EQ(folder.Read("other.yaml"), "mine") << "it is not replaced on exit either";
+  EXPECT_NE(folder.Read("other-2.yaml").find("displays:"), std::string::npos);
 }
 
 /// Cameras that publish from another session.
@@ -551,12 +560,10 @@ class Cameras {
       (void)session_.ToAny("camera_" + std::to_string(i), image);
     }
   }
-  /// Publishes until all windows of the images are there.
-  ScriptedSurface::Step Shown() {
-    return [this, deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20)](ScriptedSurface& at) {
-      Publish();
-      if (Windows("##image").size() < count_ && std::chrono::steady_clock::now() < deadline) at.Again();
-    };
+  /// Publishes. Returns whether all windows of the images are there.
+  bool Shown() {
+    Publish();
+    return Windows("##image").size() >= count_;
   }
   /// The shown windows with such a name.
   static std::vector<ImGuiWindow*> Windows(const std::string& part) {
@@ -577,7 +584,6 @@ TEST_F(ViewerTest, ImageWindowsCoverNothingAtAnySize) {
   const MetOnThisHost met;
   Cameras cameras(5);
   std::vector<ScriptedSurface::Step> steps;
-  const auto nothing = [](ScriptedSurface&) {};
   const auto check = [](const std::string& when) {
     return [when](ScriptedSurface& at) {
       const std::vector<ImGuiWindow*> images = Cameras::Windows("##image");
@@ -602,16 +608,14 @@ TEST_F(ViewerTest, ImageWindowsCoverNothingAtAnySize) {
   for (const bool panels : {false, true}) {
     for (const Viewport size : sizes) {
       steps.emplace_back([size](ScriptedSurface& at) { at.Resize(size); });
-      if (steps.size() == 1) steps.push_back(cameras.Shown());
-      for (int i = 0; i < 3; ++i) steps.emplace_back(nothing);
+      if (steps.size() == 1) steps.push_back(Until([&](ScriptedSurface&) { return cameras.Shown(); }));
+      for (int i = 0; i < 3; ++i) steps.emplace_back(DoNothing);
       steps.push_back(check(std::to_string(size.width) + (panels ? " with panels" : "")));
     }
     steps.push_back(Key('1'));
     steps.push_back(Key('4'));
   }
-  ScriptedSurface surface(std::move(steps), {1920, 1080});
-  Viewer viewer(options_, std::nullopt, surface);
-  EXPECT_EQ(viewer.Run(), 0);
+  (void)Do(std::move(steps), std::nullopt, {1920, 1080});
 }
 
 TEST_F(ViewerTest, KeepsTheMovedWindowOfAnImageInTheLayout) {
@@ -622,7 +626,7 @@ TEST_F(ViewerTest, KeepsTheMovedWindowOfAnImageInTheLayout) {
     if (windows.empty()) return {};
     return {windows[0]->Pos.x, windows[0]->Pos.y, windows[0]->Size.x, windows[0]->Size.y};
   };
-  const auto nothing = [](ScriptedSurface&) {};
+  const auto shown = Until([&](ScriptedSurface&) { return cameras.Shown(); });
   const auto resize = [](const Viewport& size) { return [size](ScriptedSurface& at) { at.Resize(size); }; };
   constexpr const char* kName = "camera_1##image";
   PanelPlace before;
@@ -634,16 +638,10 @@ TEST_F(ViewerTest, KeepsTheMovedWindowOfAnImageInTheLayout) {
   };
   const auto press = [](bool down) { return [down](ScriptedSurface&) { ImGui::GetIO().MouseDown[0] = down; }; };
   PanelPlace moved;
-  ScriptedSurface first(
-      {resize({1280, 800}), cameras.Shown(), nothing, nothing, point(0, 0), nothing, press(true), nothing,
-       point(-120, -200), nothing, press(false), nothing, [&](ScriptedSurface&) { moved = place(kName); }},
-      {1920, 1080});
-  Layout kept;
-  {
-    Viewer viewer(options_, std::nullopt, first);
-    EXPECT_EQ(viewer.Run(), 0);
-    kept = viewer.CurrentLayout();
-  }
+  const Layout kept =
+      Do({resize({1280, 800}), shown, DoNothing, DoNothing, point(0, 0), DoNothing, press(true), DoNothing,
+          point(-120, -200), DoNothing, press(false), DoNothing, [&](ScriptedSurface&) { moved = place(kName); }},
+         std::nullopt, {1920, 1080});
   EXPECT_EQ(moved, (PanelPlace{before.x - 120, before.y - 200, before.width, before.height}));
   const auto of = [](const Layout& layout, const char* channel) {
     const auto display = std::ranges::find(*layout.displays, channel, &LayoutDisplay::channel);
@@ -656,23 +654,22 @@ TEST_F(ViewerTest, KeepsTheMovedWindowOfAnImageInTheLayout) {
   PanelPlace small;
   PanelPlace later;
   const ImGuiWindow* in_front = nullptr;
-  ScriptedSurface second({resize({1280, 800}), cameras.Shown(), nothing, nothing,
-                          [&](ScriptedSurface&) {
-                            again = place(kName);
-                            in_front = Cameras::Windows("##image").back();
-                          },
-                          resize({500, 300}), nothing, nothing, [&](ScriptedSurface&) { small = place(kName); },
-                          resize({1280, 800}), nothing, nothing, [&](ScriptedSurface&) { later = place(kName); }},
-                         {1920, 1080});
-  Viewer viewer(options_, kept, second);
-  EXPECT_EQ(viewer.Run(), 0);
+  const Layout last =
+      Do({resize({1280, 800}), Until([&](ScriptedSurface&) { return cameras.Shown(); }), DoNothing, DoNothing,
+          [&](ScriptedSurface&) {
+            again = place(kName);
+            in_front = Cameras::Windows("##image").back();
+          },
+          resize({500, 300}), DoNothing, DoNothing, [&](ScriptedSurface&) { small = place(kName); },
+          resize({1280, 800}), DoNothing, DoNothing, [&](ScriptedSurface&) { later = place(kName); }},
+         kept, {1920, 1080});
   EXPECT_EQ(again, moved);
   ASSERT_NE(in_front, nullptr);
   EXPECT_TRUE(std::string(in_front->Name).starts_with(kName)) << in_front->Name << " covers the moved one";
   EXPECT_LE(small.x + small.width, 500) << "it stays inside a smaller window";
   EXPECT_LE(small.y + small.height, 300);
   EXPECT_EQ(later, moved) << "and returns when that grows again";
-  EXPECT_EQ(of(viewer.CurrentLayout(), "camera_1"), moved);
+  EXPECT_EQ(of(last, "camera_1"), moved);
 }
 
 foxglove::PointCloud CloudAt(std::int64_t ns) {
@@ -697,14 +694,12 @@ TEST_F(ViewerTest, DoesNotReportACloudThatWaitsShortlyForItsTransform) {
     auto clouds = robot.Advertise<foxglove::PointCloud>("cloud");
     transforms.ToTF(Time{1'000'000'000}, "map", "lidar", RigidTransform());
     transforms.Flush();
-    const ScriptedSurface::Step drawn = [&, deadline = std::chrono::steady_clock::now() +
-                                                       std::chrono::seconds(20)](ScriptedSurface& at) {
+    const auto drawn = Until([&](ScriptedSurface& at) {
       EXPECT_TRUE(robot.WaitForSubscribers("cloud", 1, std::chrono::seconds(20)));
-      if (!drawn_before) return;
+      if (!drawn_before) return true;
       (void)clouds(CloudAt(1'000'000'000));
-      const bool bright = std::ranges::any_of(at.Pixels(), [](std::uint8_t value) { return value > 150; });
-      if (!bright && std::chrono::steady_clock::now() < deadline) at.Again();
-    };
+      return std::ranges::any_of(at.Pixels(), [](std::uint8_t value) { return value > 150; });
+    });
     // Each cloud is 5 ns newer than the newest transform, until the next one comes.
     const ScriptedSurface::Step late = [&, count = 0](ScriptedSurface& at) mutable {
       const std::int64_t now = 1'000'000'000 + (drawn_before ? 10 * ++count : 0);

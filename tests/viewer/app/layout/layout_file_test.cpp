@@ -2,16 +2,15 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <random>
 #include <string>
 
-#include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -32,16 +31,6 @@ Layout FullLayout() {
       {{"Plot", PanelPlace{10.5F, 20, 400, 300}, {{"seconds", "30"}, {"series", "a x"}, {"series", "b y[0]"}}}, {}},
       {{"Log", std::nullopt, {{"text", "a: \"b\" # c"}}}, {}}};
   return layout;
-}
-
-/// The error of an invalid layout.
-std::string FaultOf(const std::string& text) {
-  try {
-    (void)ParseLayout(text, "layout.yaml");
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "nothing is wrong";
 }
 
 TEST(LayoutFile, ReadsBackWhatWasWritten) {
@@ -128,32 +117,27 @@ TEST(LayoutFile, ReportsLineAndFixOfEachError) {
       {"- a\n- b", {"A layout must be a map"}},
   };
   for (const auto& [text, words] : cases) {
-    const std::string fault = FaultOf(text);
+    const std::string fault = hgros::test::ErrorOf([&] { (void)ParseLayout(text, "layout.yaml"); });
+    EXPECT_TRUE(fault.starts_with("layout.yaml:")) << fault;
     for (const char* const word : words) EXPECT_NE(fault.find(word), std::string::npos) << text << "\n" << fault;
   }
 }
 
 TEST(LayoutFile, IsNoPipeForWhichTheReaderWouldWait) {
-  const auto file = std::filesystem::temp_directory_path() / ("layout_pipe_test_" + std::to_string(getpid()));
+  const hgros::test::ScratchFolder folder;
+  const std::filesystem::path file = folder / "pipe";
   ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
-  std::string fault;
-  try {
-    (void)LoadLayout(file);
-  } catch (const Error& error) {
-    fault = error.what();
-  }
-  std::filesystem::remove(file);
+  const std::string fault = hgros::test::ErrorOf([&] { (void)LoadLayout(file); });
   EXPECT_NE(fault.find("is a pipe or a device. Name a regular file."), std::string::npos) << fault;
 }
 
 TEST(LayoutFile, IsWrittenCompletelyOrNotAtAll) {
-  const auto folder = std::filesystem::temp_directory_path() / ("layout_file_test_" + std::to_string(getpid()));
-  std::filesystem::create_directory(folder);
+  const hgros::test::ScratchFolder folder;
   const auto file = folder / "layout.yaml";
   EXPECT_EQ(SaveLayout(FullLayout(), file), "");
   EXPECT_EQ(LoadLayout(file), FullLayout());
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "no other file is beside it";
-  std::filesystem::remove_all(folder);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no other file is beside it";
+  std::filesystem::remove_all(folder.path());
   EXPECT_EQ(SaveLayout(FullLayout(), file),
             "The layout cannot be written to " + file.string() + ": No such file or directory.");
 }

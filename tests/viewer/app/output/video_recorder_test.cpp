@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
-#include <iterator>
 
-#include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -17,27 +15,14 @@ namespace {
 /// A folder, first in PATH, with a script that replaces ffmpeg.
 class VideoRecorderTest : public ::testing::Test {
  protected:
-  VideoRecorderTest() {
-    std::filesystem::create_directory(folder_);
-    setenv("PATH", (folder_.string() + ":" + path_).c_str(), 1);
-  }
-  ~VideoRecorderTest() override {
-    setenv("PATH", path_.c_str(), 1);
-    std::filesystem::remove_all(folder_);
-  }
-  void Stand(const std::string& script) {
-    const auto file = folder_ / "ffmpeg";
-    std::ofstream(file) << "#!/bin/sh\n" << script;
-    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
-  }
-  [[nodiscard]] std::string Film() const {
-    std::ifstream stream(folder_ / "film.mp4", std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
+  VideoRecorderTest() { setenv("PATH", (folder_.path().string() + ":" + path_).c_str(), 1); }
+  ~VideoRecorderTest() override { setenv("PATH", path_.c_str(), 1); }
+  void Stand(const std::string& script) const {
+    std::filesystem::permissions(folder_.Write("ffmpeg", "#!/bin/sh\n" + script), std::filesystem::perms::owner_all);
   }
 
   const std::string path_ = getenv("PATH");
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("video_recorder_test_" + std::to_string(getpid()));
+  const hgros::test::ScratchFolder folder_;
   // The film is the last argument of the command, after "file:".
   const std::string copies_ = "for word; do last=$word; done; exec cat > \"${last#file:}\"\n";
 };
@@ -60,7 +45,7 @@ TEST_F(VideoRecorderTest, PassesEveryPictureToFfmpeg) {
   for (std::uint8_t i = 0; i < 5; ++i) EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, i)), "");
   EXPECT_EQ(recorder.pictures(), 5U);
   EXPECT_EQ(recorder.Finish(), "");
-  const std::string film = Film();
+  const std::string film = folder_.Read("film.mp4");
   ASSERT_EQ(film.size(), 5U * 640 * 480 * 3);
   EXPECT_EQ(film.front(), 0);
   EXPECT_EQ(film.back(), 4);
@@ -73,7 +58,7 @@ TEST_F(VideoRecorderTest, CutsOrPadsPicturesToTheSizeOfTheFirst) {
     EXPECT_EQ(recorder.Add(size, GrayPicture(size, 9)), "");
   }
   EXPECT_EQ(recorder.Finish(), "");
-  const std::string film = Film();
+  const std::string film = folder_.Read("film.mp4");
   ASSERT_EQ(film.size(), 3U * 4 * 2 * 3);
   EXPECT_EQ(std::count(film.begin() + 24, film.begin() + 48, 9), 2 * 2 * 3) << "narrower: two columns of two rows";
   EXPECT_EQ(std::count(film.begin() + 48, film.end(), 9), 4 * 3) << "lower: one row";
@@ -87,7 +72,7 @@ TEST_F(VideoRecorderTest, RepeatsTheLastPicture) {
   EXPECT_EQ(recorder.Add({1, 2}, GrayPicture({1, 2}, 8)), "");
   EXPECT_EQ(recorder.Repeat(), "");
   EXPECT_EQ(recorder.Finish(), "");
-  const std::string film = Film();
+  const std::string film = folder_.Read("film.mp4");
   ASSERT_EQ(film.size(), 3U * 2 * 2 * 3);
   EXPECT_EQ(film.substr(12, 12), film.substr(24)) << "the last picture is repeated with the film's size";
   EXPECT_EQ(std::count(film.begin() + 24, film.end(), 8), 2 * 3);
@@ -130,13 +115,9 @@ TEST_F(VideoRecorderTest, ReportsAnErrorWhenFfmpegIsKilled) {
 }
 
 TEST_F(VideoRecorderTest, ReportsMissingFfmpeg) {
-  setenv("PATH", folder_.c_str(), 1);
-  try {
-    const VideoRecorder recorder(folder_ / "film.mp4");
-    FAIL() << "the constructor did not throw";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("package ffmpeg"), std::string::npos);
-  }
+  setenv("PATH", folder_.path().c_str(), 1);
+  const std::string fault = hgros::test::ErrorOf([&] { const VideoRecorder recorder(folder_ / "film.mp4"); });
+  EXPECT_NE(fault.find("package ffmpeg"), std::string::npos) << fault;
 }
 
 TEST_F(VideoRecorderTest, ReportsAFilmWithoutPictures) {
