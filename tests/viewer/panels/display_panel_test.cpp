@@ -23,16 +23,15 @@ const DisplayType kSilent = {"Silent", {"Silence"}, [](const DisplayInputs& /*in
 
 class DisplayPanelTest : public PanelTest {
  protected:
-  DisplayPanelTest() {
-    scene_.Add(kSilent, {session_, "scan", [] {}});
-  }
-
   void DrawPanel(const std::vector<ChannelRow>& channels) {
     for (int i = 0; i < 2; ++i) {
       ImGui::NewFrame();
       (void)panel_.Draw(scene_, frame_, channels, dock_);
       ImGui::Render();
     }
+  }
+  void AddSilent() {
+    scene_.Add(kSilent, {session_, "scan", [] {}});
   }
   /// Height of its contents, with the display unfolded and a status of `lines` lines.
   float HeightWith(std::size_t lines) {
@@ -57,6 +56,25 @@ class DisplayPanelTest : public PanelTest {
     }
     return count;
   }
+  /// All texts of the panel, line by line.
+  std::string Words() {
+    ImGui::NewFrame();
+    ImGui::LogToClipboard(0);  // Does not open anything itself.
+    (void)panel_.Draw(scene_, frame_, {{"cloud", "foxglove.PointCloud", {}}}, dock_);
+    ImGui::LogFinish();
+    ImGui::Render();
+    return ImGui::GetClipboardText();
+  }
+  std::string Click(float x, float y) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = {x, y};
+    (void)Words();
+    io.MouseDown[0] = true;
+    (void)Words();
+    io.MouseDown[0] = false;
+    (void)Words();
+    return Words();
+  }
 
   TransformTree tree_;
   FixedFrame frame_{tree_};
@@ -65,6 +83,7 @@ class DisplayPanelTest : public PanelTest {
 };
 
 TEST_F(DisplayPanelTest, ShowsTypeConflictsInOrange) {
+  AddSilent();
   EXPECT_EQ(Orange({}), 0);
   EXPECT_EQ(Orange({{"scan", "Silence", ""}, {"other", "Silence", "They differ."}}), 0)
       << "the conflict is on another channel";
@@ -72,9 +91,32 @@ TEST_F(DisplayPanelTest, ShowsTypeConflictsInOrange) {
 }
 
 TEST_F(DisplayPanelTest, ScrollsALongStatusSoThatSettingsStayVisible) {
+  AddSilent();
   EXPECT_GT(HeightWith(3), HeightWith(1)) << "it is unfolded";
   EXPECT_LT(HeightWith(50), HeightWith(10) + 1);
   EXPECT_LT(HeightWith(50), HeightWith(7) + ImGui::GetFontSize());
+}
+
+TEST_F(DisplayPanelTest, OpensTheListOfChannelsByAClickOnTheWord) {
+  EXPECT_EQ(Words().find("foxglove.PointCloud"), std::string::npos);
+  const float unit = ImGui::GetFontSize();
+  const float on_the_word = 4.5F * unit;
+  bool opened = false;
+  for (float y = 5 * unit; y < 12 * unit && !opened; y += 0.4F * unit) {
+    opened = Click(on_the_word, y).find("foxglove.PointCloud") != std::string::npos;
+  }
+  EXPECT_TRUE(opened);
+}
+
+TEST_F(DisplayPanelTest, ShowsTheWholeReasonOfARefusal) {
+  const std::string why = "\"cloud\" carries foxglove.PointCloud; a Grid shows foxglove.Grid.";
+  panel_.Refuse(why);
+  std::string words = Words();
+  for (char& c : words) c = c == '\n' ? ' ' : c;
+  while (words.find("  ") != std::string::npos) words.erase(words.find("  "), 1);
+  EXPECT_NE(words.find(why), std::string::npos) << words;
+  panel_.Refuse("");
+  EXPECT_EQ(Words().find("carries"), std::string::npos);
 }
 
 }  // namespace

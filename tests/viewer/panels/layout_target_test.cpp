@@ -1,32 +1,28 @@
 #include "viewer/panels/layout_target.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <fstream>
-#include <string>
+#include "support/scratch_folder.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 TEST(LayoutTarget, ReplacesItsOwnFileUntilAnotherProgramChangesIt) {
-  const auto folder = std::filesystem::temp_directory_path() / ("layout_target_test_" + std::to_string(getpid()));
-  std::filesystem::create_directory(folder);
+  const hgros::test::ScratchFolder folder;
   const std::filesystem::path file = folder / "layout.yaml";
   const std::filesystem::path second = folder / "layout-2.yaml";
   LayoutTarget target(file);
   EXPECT_EQ(target.Next(), file) << "there is none";
-  std::ofstream(file) << "of another one";
+  folder.Write("layout.yaml", "of another one");
   EXPECT_EQ(target.Next(), second);
   target.NoteOwn();
   EXPECT_EQ(target.Next(), file);
-  std::ofstream(file) << "edited";
+  folder.Write("layout.yaml", "edited");
   EXPECT_EQ(target.Next(), second);
   std::filesystem::remove(file);
   EXPECT_EQ(target.Next(), file);
   std::filesystem::create_directory(file);
   EXPECT_EQ(target.Next(), second);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

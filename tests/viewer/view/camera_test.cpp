@@ -17,13 +17,15 @@ void ExpectNear(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double toler
   EXPECT_LT((a - b).norm(), tolerance) << a.transpose() << " is not " << b.transpose();
 }
 
-TEST(Camera, LooksAtTheOriginFromTheStart) {
-  const Camera camera;
-  const auto pixel = camera.PixelOf(Eigen::Vector3d::Zero(), kViewport);
+/// Checks where a point is in the picture.
+void ExpectAt(const Camera& camera, const Eigen::Vector3d& point, double x, double y) {
+  const auto pixel = camera.PixelOf(point, kViewport);
   ASSERT_TRUE(pixel);
-  EXPECT_NEAR(pixel->x(), 400, 1e-6);
-  EXPECT_NEAR(pixel->y(), 300, 1e-6);
+  EXPECT_NEAR(pixel->x(), x, 1e-6);
+  EXPECT_NEAR(pixel->y(), y, 1e-6);
 }
+
+TEST(Camera, LooksAtTheOriginFromTheStart) { ExpectAt(Camera(), Eigen::Vector3d::Zero(), 400, 300); }
 
 TEST(Camera, ConvertsPixelsToPointsAndBack) {
   std::mt19937 random(7);
@@ -47,11 +49,9 @@ TEST(Camera, OrbitingKeepsTheAnchorInPlace) {
   camera.SetAnchor(anchor);
   camera.Orbit(0.7, 0.2);
   camera.Turn(0.3, -0.1, 0.4);
-  const auto after = camera.PixelOf(anchor, kViewport);
-  ASSERT_TRUE(before && after);
+  ASSERT_TRUE(before);
   // The direction to the anchor turns with the camera, so its pixel stays.
-  EXPECT_NEAR(before->x(), after->x(), 1e-6);
-  EXPECT_NEAR(before->y(), after->y(), 1e-6);
+  ExpectAt(camera, anchor, before->x(), before->y());
 }
 
 TEST(Camera, OrbitingKeepsTheHorizonLevelAndStopsAtThePoles) {
@@ -74,19 +74,14 @@ TEST(Camera, ZoomsTowardThePointerOrTheAnchor) {
     const auto pixel = camera.PixelOf(beside, kViewport);
     ASSERT_TRUE(pixel);
     camera.Zoom(2, pixel->x(), pixel->y(), kViewport);
-    auto after = camera.PixelOf(beside, kViewport);
-    ASSERT_TRUE(after);
-    EXPECT_NEAR(after->x(), pixel->x(), 1e-6);
-    EXPECT_NEAR(after->y(), pixel->y(), 1e-6);
+    ExpectAt(camera, beside, pixel->x(), pixel->y());
     EXPECT_NEAR(camera.distance(), 10, 1e-9);
 
     camera.SetAnchor(pivot);
     const auto anchored = camera.PixelOf(pivot, kViewport);
+    ASSERT_TRUE(anchored);
     camera.Zoom(0.5, 0, 0, kViewport);
-    after = camera.PixelOf(pivot, kViewport);
-    ASSERT_TRUE(anchored && after);
-    EXPECT_NEAR(after->x(), anchored->x(), 1e-6);
-    EXPECT_NEAR(after->y(), anchored->y(), 1e-6);
+    ExpectAt(camera, pivot, anchored->x(), anchored->y());
   }
 }
 
@@ -96,10 +91,7 @@ TEST(Camera, PanningMovesThePivotWithThePointer) {
     camera.SetOrthographic(orthographic);
     const Eigen::Vector3d pivot = camera.Pivot();
     camera.Pan(50, -20, kViewport);
-    const auto pixel = camera.PixelOf(pivot, kViewport);
-    ASSERT_TRUE(pixel);
-    EXPECT_NEAR(pixel->x(), 450, 1e-6);
-    EXPECT_NEAR(pixel->y(), 280, 1e-6);
+    ExpectAt(camera, pivot, 450, 280);
   }
 }
 
@@ -145,10 +137,7 @@ TEST(Camera, CentersAPointWithoutTurningOrZooming) {
   const Eigen::Quaterniond turned = camera.orientation();
   const Eigen::Vector3d there(300, -40, 2);
   camera.Center(there);
-  const auto pixel = camera.PixelOf(there, kViewport);
-  ASSERT_TRUE(pixel);
-  EXPECT_NEAR(pixel->x(), 400, 1e-6);
-  EXPECT_NEAR(pixel->y(), 300, 1e-6);
+  ExpectAt(camera, there, 400, 300);
   EXPECT_NEAR((camera.eye() - there).norm(), camera.distance(), 1e-9);
   EXPECT_TRUE(camera.orientation().isApprox(turned));
 }

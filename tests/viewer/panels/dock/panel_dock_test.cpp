@@ -66,7 +66,7 @@ TEST_F(PanelDockTest, LimitsWakeUpsAndUpdatesInAFloodOfMessages) {
   EXPECT_TRUE(dock_.Update({now_s_ + 0.3, channels_}));
 }
 
-TEST_F(PanelDockTest, ReturnsTheSettingsItWasGiven) {
+TEST_F(PanelDockTest, ReturnsTheSettingsItWasGivenAndReopensAPanelAsItWas) {
   const std::vector<PanelLayout> wanted = {
       {"Plot", PanelPlace{10, 20, 400, 300}, {{"seconds", "30"}, {"series", "a x"}, {"series", "b y[0]"}}},
       {"Message", std::nullopt, {{"channel", "a"}, {"unfolded", "pose"}}},
@@ -79,6 +79,14 @@ TEST_F(PanelDockTest, ReturnsTheSettingsItWasGiven) {
   Update();
   Draw();
   EXPECT_EQ(dock_.KeptLayout()[0].place, (PanelPlace{10, 20, 400, 300})) << "it is at the requested place";
+  for (const PanelLayout& layout : wanted) Close(layout.name);
+  EXPECT_TRUE(dock_.KeptLayout().empty());
+  for (const PanelLayout& layout : wanted) {
+    Open(layout.name);
+    if (layout.name != "Channels") {
+      EXPECT_EQ(dock_.KeptLayout().back(), layout);
+    }
+  }
 }
 
 TEST_F(PanelDockTest, PlacesTheRightPanel) {
@@ -156,23 +164,6 @@ TEST_F(PanelDockTest, SharesTheSpaceUntilAUserMovesAPanel) {
   EXPECT_EQ(dock_.KeptLayout()[0].place, std::nullopt) << "no user has placed it";
   EXPECT_EQ(places({1900, 1000})[1], moved) << "a user has placed it";
   EXPECT_NE(places({1900, 1000})[0], large[0]) << "the others share the space";
-}
-
-TEST_F(PanelDockTest, ReopensAPanelAsItWas) {
-  const std::vector<PanelLayout> wanted = {
-      {"Plot", PanelPlace{10, 20, 400, 300}, {{"seconds", "30"}, {"series", "a x"}, {"series", "b y[0]"}}},
-      {"Message", std::nullopt, {{"channel", "a"}, {"unfolded", "pose"}}},
-      {"Log", std::nullopt, {{"level", "warning"}, {"source", "driver"}, {"text", "wheel"}, {"follow", "off"}}},
-      {"Graph", std::nullopt, {{"nodes", "on"}, {"viewer", "off"}, {"own channels", "on"}}},
-  };
-  for (const PanelLayout& layout : wanted) ASSERT_EQ(dock_.Restore(layout), "");
-  Draw();
-  for (const PanelLayout& layout : wanted) Close(layout.name);
-  EXPECT_TRUE(dock_.KeptLayout().empty());
-  for (const PanelLayout& layout : wanted) {
-    Open(layout.name);
-    EXPECT_EQ(dock_.KeptLayout().back(), layout);
-  }
 }
 
 }  // namespace
