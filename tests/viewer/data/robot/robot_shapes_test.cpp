@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "support/scratch_folder.hpp"
 #include "viewer/data/mesh/mesh_place.hpp"
 #include "viewer/data/mesh/stl_mesh.hpp"
 
@@ -72,13 +73,11 @@ TEST(RobotShapes, AreReadForARealRobot) {
 class MeshPlace : public testing::Test {
  protected:
   MeshPlace() {
-    std::string name = (fs::temp_directory_path() / "hgros_mesh_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    fs::create_directories(folder_ / "r" / "meshes");
-    std::ofstream(folder_ / "r" / "meshes" / "a.stl") << "x";
+    fs::create_directories(scratch_ / "r/meshes");
+    scratch_.Write("r/meshes/a.stl", "x");
   }
-  ~MeshPlace() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const hgros::test::ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
 };
 
 TEST_F(MeshPlace, FindsPackagesInAFolderOrAsTheFolder) {

@@ -22,7 +22,9 @@ void Put(foxglove::Color* color, double r, double g, double b, double a = 1) {
   color->set_a(a);
 }
 
-void Put(foxglove::Point3* point, double x, double y, double z = 0) {
+/// A foxglove::Vector3 or Point3.
+template <class Vector>
+void Put(Vector* point, double x, double y, double z = 0) {
   point->set_x(x);
   point->set_y(y);
   point->set_z(z);
@@ -32,18 +34,20 @@ Eigen::Vector3d At(const SolidShape& shape, double x, double y, double z) {
   return shape.pose * Eigen::Vector4d(x, y, z, 1);
 }
 
+SceneShapes Read(const SceneEntity& entity) {
+  const SceneShapes shapes = Read(entity);
+  return shapes;
+}
+
 TEST(SceneReader, ReadsACubeAsAStretchedUnitCube) {
   SceneEntity entity;
   auto& cube = *entity.add_cubes();
   cube.mutable_pose()->mutable_position()->set_x(10);
   cube.mutable_pose()->mutable_orientation()->set_z(std::sqrt(0.5));
   cube.mutable_pose()->mutable_orientation()->set_w(std::sqrt(0.5));
-  cube.mutable_size()->set_x(2);
-  cube.mutable_size()->set_y(4);
-  cube.mutable_size()->set_z(6);
+  Put(cube.mutable_size(), 2, 4, 6);
   Put(cube.mutable_color(), 1, 0.5, 0);
-  SceneShapes shapes;
-  ASSERT_EQ(ReadScene(entity, shapes), "");
+  const SceneShapes shapes = Read(entity);
   ASSERT_EQ(shapes.cubes.size(), 1U);
   EXPECT_TRUE(At(shapes.cubes[0], 0.5, 0, 0).isApprox(Eigen::Vector3d(10, 1, 0))) << "x points to y";
   EXPECT_TRUE(At(shapes.cubes[0], 0, 0.5, 0.5).isApprox(Eigen::Vector3d(8, 0, 3)));
@@ -57,8 +61,7 @@ TEST(SceneReader, ReadsAnArrowAsACylinderAndAConeAlongX) {
   arrow.set_shaft_diameter(0.2);
   arrow.set_head_length(1);
   arrow.set_head_diameter(0.6);
-  SceneShapes shapes;
-  ASSERT_EQ(ReadScene(entity, shapes), "");
+  const SceneShapes shapes = Read(entity);
   ASSERT_EQ(shapes.cylinders.size(), 2U);
   const SolidShape &shaft = shapes.cylinders[0], &head = shapes.cylinders[1];
   EXPECT_TRUE(At(shaft, 0, 0, -0.5).isApprox(Eigen::Vector3d(0, 0, 0)) || At(shaft, 0, 0, -0.5).norm() < 1e-12);
@@ -77,9 +80,7 @@ TEST(SceneReader, CutsLinesIntoPieces) {
     line.set_thickness(2);
     line.set_scale_invariant(true);
     for (int i = 0; i < points; ++i) Put(line.add_points(), i, 0);
-    SceneShapes shapes;
-    EXPECT_EQ(ReadScene(entity, shapes), "");
-    return shapes.lines;
+    return Read(entity).lines;
   };
   EXPECT_EQ(pieces(LinePrimitive::LINE_STRIP, 4).size(), 3U);
   EXPECT_EQ(pieces(LinePrimitive::LINE_LIST, 5).size(), 2U);
@@ -100,8 +101,7 @@ TEST(SceneReader, ReadsPointsWithColorsAndIndices) {
     Put(line.add_colors(), i / 2.0, 0, 0);
   }
   for (const unsigned index : {2U, 0U}) line.add_indices(index);
-  SceneShapes shapes;
-  ASSERT_EQ(ReadScene(entity, shapes), "");
+  const SceneShapes shapes = Read(entity);
   ASSERT_EQ(shapes.lines.size(), 1U);
   EXPECT_EQ(shapes.lines[0].from.x(), 2);
   EXPECT_EQ(shapes.lines[0].from_color, MakeRgba(255, 0, 0));
@@ -113,8 +113,7 @@ TEST(SceneReader, ReadsTrianglesWithIndices) {
   auto& list = *entity.add_triangles();
   for (const double x : {0.0, 1.0, 2.0, 3.0}) Put(list.add_points(), x, x * x);
   for (const unsigned index : {0U, 1U, 2U, 1U, 2U, 3U}) list.add_indices(index);
-  SceneShapes shapes;
-  ASSERT_EQ(ReadScene(entity, shapes), "");
+  const SceneShapes shapes = Read(entity);
   ASSERT_EQ(shapes.triangles.size(), 6U);
   EXPECT_EQ(shapes.triangles[5].position.x(), 3);
   EXPECT_EQ(shapes.size(), 2U);
@@ -131,8 +130,7 @@ TEST(SceneReader, ReadsConesTextsAndModels) {
   text.set_font_size(0.5);
   auto& model = *entity.add_models();
   model.set_url("package://robot/base.stl");
-  SceneShapes shapes;
-  ASSERT_EQ(ReadScene(entity, shapes), "");
+  const SceneShapes shapes = Read(entity);
   EXPECT_EQ(shapes.cylinders.at(0).top_scale, 0);
   EXPECT_EQ(shapes.texts.at(0).text, "hello");
   EXPECT_TRUE(shapes.texts.at(0).billboard);
@@ -170,9 +168,7 @@ TEST(SceneReader, ReportsAnInvalidPrimitiveAndDrawsTheRest) {
 TEST(SceneReader, CutsLongTexts) {
   SceneEntity entity;
   entity.add_texts()->set_text(std::string(24'000, 'x'));
-  SceneShapes shapes;
-  EXPECT_EQ(ReadScene(entity, shapes), "");
-  EXPECT_EQ(shapes.texts.at(0).text.size(), kMaxShownBytes);
+  EXPECT_EQ(Read(entity).texts.at(0).text.size(), kMaxShownBytes);
 }
 
 TEST(SceneReader, ClampsColors) {

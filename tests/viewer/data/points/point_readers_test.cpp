@@ -1,12 +1,14 @@
-#include "viewer/data/points/cloud_reader.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
+
+#include "viewer/data/points/cloud_reader.hpp"
+#include "viewer/data/points/scan_reader.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -36,6 +38,11 @@ class CloudOf {
   }
   [[nodiscard]] foxglove::PointCloud& cloud() { return cloud_; }
   [[nodiscard]] Bulk<foxglove::PointCloud> Message() const { return Bulk<foxglove::PointCloud>(cloud_); }
+  [[nodiscard]] PointBatch Read() const {
+    PointBatch batch;
+    EXPECT_EQ(ReadCloud(Message(), "", batch), "");
+    return batch;
+  }
 
  private:
   foxglove::PointCloud cloud_;
@@ -46,8 +53,7 @@ TEST(CloudReader, ReadsPositionsAndIntensity) {
   cloud.Floats().Field("intensity", PackedElementField::UINT16, 2);
   cloud.Value(1.0F).Value(2.0F).Value(3.0F).Value(std::uint16_t{500});
   cloud.cloud().set_frame_id("lidar");
-  PointBatch batch;
-  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
+  const PointBatch batch = cloud.Read();
   EXPECT_EQ(batch.frame, "lidar");
   ASSERT_EQ(batch.positions.size(), 1U);
   EXPECT_EQ(batch.positions[0], Eigen::Vector3f(1, 2, 3));
@@ -60,8 +66,7 @@ TEST(CloudReader, OmitsPointsThatAreNotNumbers) {
   CloudOf cloud;
   cloud.Floats().Value(1.0F).Value(2.0F).Value(std::numeric_limits<float>::quiet_NaN());
   cloud.Value(4.0F).Value(5.0F).Value(6.0F);
-  PointBatch batch;
-  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
+  const PointBatch batch = cloud.Read();
   EXPECT_EQ(batch.positions.size(), 1U);
   EXPECT_EQ(batch.left_out, 1U);
 }
@@ -71,8 +76,8 @@ TEST(CloudReader, KeepsDistancesBetweenLargeDoubles) {
   for (const char* name : {"x", "y", "z"}) cloud.Field(name, PackedElementField::FLOAT64, 8);
   cloud.Value(500000.125).Value(5'400'000.25).Value(10.0);
   cloud.Value(500000.126).Value(5'400'000.25).Value(10.0);
-  PointBatch batch;
-  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
+  const PointBatch batch = cloud.Read();
+  ASSERT_EQ(batch.positions.size(), 2U);
   EXPECT_NEAR(batch.positions[1].x() - batch.positions[0].x(), 0.001, 1e-6);
   const Eigen::Vector3d first = batch.T_frame_points * batch.positions[0].cast<double>();
   EXPECT_NEAR(first.y(), 5'400'000.25, 1e-6);
@@ -82,8 +87,7 @@ TEST(CloudReader, ReadsPackedAndSeparateColors) {
   CloudOf packed;
   packed.Floats().Field("rgb", PackedElementField::FLOAT32, 4);
   packed.Value(0.0F).Value(0.0F).Value(0.0F).Value(std::uint32_t{0x00112233});
-  PointBatch batch;
-  ASSERT_EQ(ReadCloud(packed.Message(), "", batch), "");
+  PointBatch batch = packed.Read();
   EXPECT_THAT(batch.colors, ::testing::ElementsAre(0xFF332211U));
 
   CloudOf separate;
@@ -99,9 +103,7 @@ TEST(CloudReader, PutsACloudWithoutZIntoThePlane) {
   CloudOf cloud;
   cloud.Field("x", PackedElementField::FLOAT32, 4).Field("y", PackedElementField::FLOAT32, 4);
   cloud.Value(1.0F).Value(2.0F);
-  PointBatch batch;
-  ASSERT_EQ(ReadCloud(cloud.Message(), "", batch), "");
-  EXPECT_EQ(batch.positions[0], Eigen::Vector3f(1, 2, 0));
+  EXPECT_EQ(cloud.Read().positions.at(0), Eigen::Vector3f(1, 2, 0));
 }
 
 TEST(CloudReader, ReportsErrorsAndKeepsTheBatch) {
@@ -121,11 +123,69 @@ TEST(CloudReader, ReportsErrorsAndKeepsTheBatch) {
   EXPECT_EQ(batch.frame, "before");
 }
 
-TEST(CloudReader, ReadsAnEmptyCloud) {
-  PointBatch batch;
-  ASSERT_EQ(ReadCloud(Bulk<foxglove::PointCloud>(), "", batch), "");
-  EXPECT_TRUE(batch.positions.empty());
+TEST(CloudReader, ReadsAnEmptyCloud) { EXPECT_TRUE(CloudOf().Read().positions.empty()); }
+
+foxglove::LaserScan HalfTurn() {
+  foxglove::LaserScan scan;
+  scan.set_frame_id("laser");
+  scan.mutable_timestamp()->set_seconds(7);
+  scan.set_start_angle(-std::numbers::pi / 2);
+  scan.set_end_angle(std::numbers::pi / 2);
+  for (const double range : {1.0, 2.0, 3.0}) scan.add_ranges(range);
+  return scan;
 }
+
+PointBatch Read(const foxglove::LaserScan& scan) {
+  PointBatch batch;
+  EXPECT_EQ(ReadScan(scan, batch), "");
+  return batch;
+}
+
+TEST(ScanReader, PutsEachRayAtItsAngle) {
+  const PointBatch batch = Read(HalfTurn());
+  EXPECT_EQ(batch.frame, "laser");
+  EXPECT_EQ(batch.stamp, (Time{7'000'000'000}));
+  ASSERT_EQ(batch.positions.size(), 3U);
+  EXPECT_TRUE(batch.positions[0].isApprox(Eigen::Vector3f(0, -1, 0), 1e-6F));
+  EXPECT_TRUE(batch.positions[1].isApprox(Eigen::Vector3f(2, 0, 0), 1e-6F));
+  EXPECT_TRUE(batch.positions[2].isApprox(Eigen::Vector3f(0, 3, 0), 1e-6F));
+  EXPECT_EQ(batch.scalar_name, "range");
+}
+
+TEST(ScanReader, OmitsRaysWithoutAReturn) {
+  foxglove::LaserScan scan = HalfTurn();
+  scan.set_ranges(0, std::numeric_limits<double>::infinity());
+  scan.set_ranges(1, std::numeric_limits<double>::quiet_NaN());
+  const PointBatch batch = Read(scan);
+  EXPECT_EQ(batch.positions.size(), 1U);
+  EXPECT_EQ(batch.left_out, 2U);
+}
+
+TEST(ScanReader, OmitsARayThatIsFarFromAllOthers) {
+  foxglove::LaserScan scan = HalfTurn();
+  scan.set_ranges(1, 1e30);
+  for (const double intensity : {10.0, 20.0, 30.0}) scan.add_intensities(intensity);
+  const PointBatch batch = Read(scan);
+  ASSERT_EQ(batch.positions.size(), 2U);
+  EXPECT_TRUE(batch.positions[1].isApprox(Eigen::Vector3f(0, 3, 0), 1e-6F));
+  EXPECT_THAT(batch.scalars, ::testing::ElementsAre(10.0F, 30.0F));
+  EXPECT_EQ(batch.left_out, 1U);
+}
+
+TEST(ScanReader, UsesIntensitiesIfThereAreAny) {
+  foxglove::LaserScan scan = HalfTurn();
+  for (const double intensity : {10.0, 20.0, 30.0}) scan.add_intensities(intensity);
+  EXPECT_THAT(Read(scan).scalars, ::testing::ElementsAre(10.0F, 20.0F, 30.0F));
+}
+
+TEST(ScanReader, RefusesADifferentNumberOfIntensitiesAndRanges) {
+  foxglove::LaserScan scan = HalfTurn();
+  scan.add_intensities(1);
+  PointBatch batch;
+  EXPECT_THAT(ReadScan(scan, batch), ::testing::HasSubstr("3 ranges but 1 intensities"));
+}
+
+TEST(ScanReader, ReadsAnEmptyScan) { EXPECT_TRUE(Read(foxglove::LaserScan()).positions.empty()); }
 
 }  // namespace
 }  // namespace hgros::viewer

@@ -1,5 +1,3 @@
-#include "viewer/data/image/image_reader.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <jpeglib.h>
@@ -9,6 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
+
+#include "viewer/data/image/image_reader.hpp"
+#include "viewer/data/image/image_value.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -123,11 +124,6 @@ TEST(ImageReader, ReportsInvalidImages) {
   EXPECT_THAT(fault(Raw("mono8", 4'000'000'000, 4'000'000'000, 4'000'000'000, "a")), HasSubstr("too few"));
 }
 
-TEST(ImageReader, AcceptsAnImageWithoutPixels) {
-  EXPECT_TRUE(Shown(Raw("rgb8", 0, 0, 0, "")).rgba.empty());
-  EXPECT_TRUE(Shown(Raw("bayer_rggb8", 0, 4, 0, "")).rgba.empty());
-}
-
 TEST(ImageReader, TakesNeitherMemoryNorTimeForAnImageWithoutPixels) {
   const auto expect_unpainted = [](const RawImage& image) {
     const ImagePicture picture = Shown(image);
@@ -143,6 +139,8 @@ TEST(ImageReader, TakesNeitherMemoryNorTimeForAnImageWithoutPixels) {
   expect_unpainted(Raw("16UC1", 2'147'483'647, 0, 4'294'967'294, ""));
   expect_unpainted(Raw("32FC1", 1'000'000'000, 0, 4'000'000'000, ""));
   EXPECT_LT(most_bytes() - before, 1L << 30);
+  expect_unpainted(Raw("rgb8", 0, 0, 0, ""));
+  expect_unpainted(Raw("bayer_rggb8", 0, 4, 0, ""));
   for (const char* encoding : {"16UC1", "32FC1", "mono8", "mono16", "rgb8", "yuyv", "bayer_rggb8"}) {
     expect_unpainted(Raw(encoding, 0, 4'294'967'295, 0, ""));
   }
@@ -249,6 +247,28 @@ TEST(ImageReader, ReportsDamagedFiles) {
   std::string huge = png;
   huge[16] = huge[20] = '\x7f';
   EXPECT_NE(ReadFile(huge, picture), "");
+}
+
+TEST(ImageValue, IsTheMeasurementOrTheColor) {
+  EXPECT_EQ(ColorText({1, 2, 3, 255}), "red 1, green 2, blue 3");
+  EXPECT_EQ(ColorText({7, 7, 7, 255}), "7");
+  EXPECT_EQ(MeasurementText(1.25F), "1.25");
+  EXPECT_EQ(MeasurementText(0), "nothing measured");
+  EXPECT_EQ(MeasurementText(std::nanf("")), "nothing measured");
+}
+
+TEST(ImageValue, IsReadFromTheMessage) {
+  foxglove::RawImage image;
+  image.set_encoding("16UC1");
+  image.set_width(2);
+  image.set_height(2);
+  image.set_step(6);  // 2 bytes of padding
+  image.set_data(std::string("\1\0\2\0xx\3\0\4\0xx", 12));
+  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 1), "4");
+  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 2, 1), "");
+  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 2), "");
+  image.set_encoding("mono16");
+  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 1), "") << "it has brightness, not measurements";
 }
 
 }  // namespace
