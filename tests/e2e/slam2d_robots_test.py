@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Runs the SLAM example's robot files, and compares their results.
+"""Runs the SLAM example's robot files, compares their results, and finds planted faults by hgros doctor.
 
-    HGROS=<binary> SLAM2D=<folder> SLAM2D_REFERENCE=<binary> slam2d_robots_test.py [TEST...]
+    HGROS=<binary> SLAM2D=<folder> SLAM2D_REFERENCE=<binary> SLAM2D_CLOCK=<binary> SLAM2D_FAULTS=<binary>
+        slam2d_robots_test.py [TEST...]
 """
 
 import contextlib
@@ -9,10 +10,13 @@ import gzip
 import json
 import os
 import pathlib
+import re
 import signal
 import socket
+import subprocess
+import time
 
-from slam2d_programs import DATA, ROBOTS, SCANS, SLOW, Slam2dTest, main
+from slam2d_programs import DATA, DEADLINE_S, HGROS, ROBOTS, SCANS, SLOW, Slam2dTest, main
 
 SHORT = {"source.params.scans": SCANS}
 
@@ -71,22 +75,23 @@ class Slam2dRobots(Slam2dTest):
         self.start("robot2.yaml")
         self.assertEqual(self.hashes(alone), self.reference(SCANS))
 
-    def test_a_mapper_that_gets_no_scan_is_missed(self):
+    def start_closed(self):
+        """A robot that sends no scan to its own mapper."""
         self.on_free_ports("robot1.yaml")
         (self.folder / "closed.yaml").write_text("include: robot1.yaml\ncomponents: {mapper: {type: slam2d/Mapper}}\n"
                                                  "data_graph: {close_channels: [pre_channel]}\n")
-        alone = self.start("closed.yaml", SHORT)
+        return self.start("closed.yaml", SHORT)
+
+    def test_a_mapper_that_gets_no_scan_is_missed(self):
+        alone = self.start_closed()
         self.assertIn("pre_channel", self.await_line(alone, "It waits for the map after the last scan."))
         alone.send_signal(signal.SIGINT)
         code, out, err = self.end(alone)
         self.assertEqual(code, -signal.SIGINT, out + err)
 
     def test_a_mapper_beside_a_robot_whose_own_one_gets_no_scan_does_its_work(self):
-        for robot in ("robot1.yaml", "robot2.yaml"):
-            self.on_free_ports(robot)
-        (self.folder / "closed.yaml").write_text("include: robot1.yaml\ncomponents: {mapper: {type: slam2d/Mapper}}\n"
-                                                 "data_graph: {close_channels: [pre_channel]}\n")
-        closed = self.start("closed.yaml", SHORT)
+        self.on_free_ports("robot2.yaml")
+        closed = self.start_closed()
         self.start("robot2.yaml")
         self.assertEqual(self.hashes(closed), self.reference(SCANS))
 
@@ -111,11 +116,12 @@ class Slam2dRobots(Slam2dTest):
         self.assertEqual(self.hashes(self.start("one_process.yaml", settings)), expected)
         self.assertEqual(self.hashes(self.start("three_processes.yaml", settings)), expected)
 
-    def test_relations_are_compared(self):
+    def test_the_report_names_the_time_of_the_log_and_compares_relations(self):
         (self.folder / "some.relations").write_text("0.0 1.0 1.3 0 0 0 0 0\n900.0 901.0 0 0 0 0 0 0\n")
         settings = {**SHORT, "writer.params.relations": "some.relations"}
         code, out, err = self.end(self.start("one_process.yaml", settings))
         self.assertEqual(code, 0, out + err)
+        self.assertRegex(out, r"log time    0\.0 s \.\. 29\.9 s, at [0-9.]+ times real time\n")
         self.assertRegex(out, r"relations   1 compared, 1 without poses: [0-9.]+ m \+- 0\.0000 m")
 
     def test_ctrl_c_writes_the_map_so_far(self):
@@ -162,16 +168,11 @@ class Slam2dRobots(Slam2dTest):
         self.assertEqual(code, 1, out + err)  # A process has failed.
         self.assertIn(f"writer    It has finished: {SCANS} scans are in the map.", out)
 
-    def test_a_mapper_that_is_constructed_again_draws_the_same_map(self):
+    def test_a_mapper_that_is_constructed_again_or_moves_draws_the_same_map(self):
         running = self.start("three_processes.yaml", SLOW)
         self.hgros_until_it_works(running, "call", "save_map", "{}")
         for name in ("mapper", "mapping"):
             self.hgros_until_it_works(running, "restart", name)
-        self.hgros_until_it_works(running, "param", "set", "source", "rate", "0")
-        self.assertEqual(self.hashes(running), self.reference(SCANS))
-
-    def test_a_mapper_that_moves_draws_the_same_map(self):
-        running = self.start("three_processes.yaml", SLOW)
         self.hgros_until_it_works(running, "call", "save_map", "{}")
         while "starting" in self.hgros("ps").stdout:
             self.assertIsNone(running.poll())
@@ -201,6 +202,64 @@ class Slam2dRobots(Slam2dTest):
         code, out, err = self.end(self.start("three_processes.yaml", {"source.params.log": cut}))
         self.assertEqual(code, 1, out + err)
         self.assertIn("cut.clf.gz", out + err)
+
+    def test_another_process_sleeps_by_the_logs_time(self):
+        last_s = (SCANS - 1) / 10  # Ten scans a second.
+        for robot in ("one_process.yaml", "three_processes.yaml"):
+            with self.subTest(robot=robot):
+                follower = self.popen(os.environ["SLAM2D_CLOCK"], 0.0001, last_s)
+                running = self.start(robot, SLOW)
+                # Between the first two scans, for which the robot waits 100 s.
+                shown = float(follower.stdout.readline())
+                self.assertGreaterEqual(shown, 0.0001)
+                self.assertLess(shown, 0.1)
+                # Without a rate the clock steps from scan to scan as they are processed, and stands still at the end.
+                self.hgros_until_it_works(running, "param", "set", "source", "rate", 0)
+                self.assertEqual(float(follower.stdout.readline()), last_s)
+                self.assertEqual(self.hashes(running), self.reference(SCANS))
+
+    def findings(self):
+        done = self.hgros("doctor", "--json", "--timeout", "30")
+        return done.returncode, [json.loads(line) for line in done.stdout.splitlines()]
+
+    def await_channel(self, name, users="publishers"):
+        deadline = time.monotonic() + DEADLINE_S
+        while not any(one["channel"] == name and one[users]
+                      for one in map(json.loads, self.hgros("list", "--json").stdout.splitlines())):
+            self.assertLess(time.monotonic(), deadline, name)
+
+    def test_finds_nothing_in_the_demo_itself_and_then_five_faults(self):
+        self.start("one_process.yaml", {"source.params.rate": 1})  # In real time, discovered by others.
+        self.await_channel("trajectory")
+        _, findings = self.findings()
+        # A busy machine may slow down the demo.
+        self.assertEqual([one for one in findings if one["check"] in ("type", "name", "publisher", "forbidden")], [])
+
+        self.popen(os.environ["SLAM2D_FAULTS"])
+        self.await_channel("trajectroy", "subscribers")
+        self.popen(HGROS, "echo", "map", "--full", stdout=subprocess.DEVNULL)
+        self.await_channel("map", "subscribers")
+        forbidden = self.hgros("control", "forbid", "map", "--session", "main", "--timeout", "30")
+        self.assertEqual(forbidden.returncode, 0, forbidden)
+
+        deadline = time.monotonic() + DEADLINE_S
+        expected = (
+            r'type: reporter:\d+ publishes foxglove.PoseInFrame on "report", but faulty:\d+ subscribes to '
+            r'foxglove.Log',
+            r'name: Nobody publishes "trajectroy", to which faulty:\d+ subscribes. main:\d+ publishes "trajectory"',
+            r'callback: faulty:\d+ slow is busy for \d+ % of the time',
+            r'queue: faulty:\d+ full drops .* because its queue of 4 is full',
+            r'forbidden: main:\d+ publishes "map", to which hgros:\d+ subscribes, but no message passes')
+        while True:  # On a busy machine, not every two seconds show all.
+            code, findings = self.findings()
+            self.assertEqual(code, 1)
+            said = "\n".join(one["check"] + ": " + one["what"] for one in findings)
+            missing = [one for one in expected if not re.search(one, said)]
+            if not missing:
+                break
+            self.assertLess(time.monotonic(), deadline, (missing, said))
+        for one in findings:
+            self.assertNotEqual(one["fix"], "", one)
 
 
 if __name__ == "__main__":
