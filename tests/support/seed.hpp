@@ -17,4 +17,10 @@ inline std::uint64_t Seed() {
   return seed;
 }
 
+/// How often a test repeats what only chance may break: `few` times, or `many` with random seeds, as in `./dev check`.
+inline int Rounds(int few, int many) {
+  const char* chosen = std::getenv("HGROS_SEED");
+  return chosen != nullptr && std::string(chosen) == "random" ? many : few;
+}
+
 }  // namespace hgros::test
