@@ -1,81 +1,21 @@
 #pragma once
 
-#include <unistd.h>
-
-#include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <string>
+
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 
 /// A folder with .proto files of a test, removed at its end.
-class ProtoFolder {
+class ProtoFolder : public test::ScratchFolder {
  public:
-  ProtoFolder() {
-    static std::atomic<int> number{0};
-    folder_ = std::filesystem::temp_directory_path() /
-              ("hgros-protos-" + std::to_string(getpid()) + "-" + std::to_string(number++));
-    std::filesystem::create_directories(folder_);
-  }
-  ProtoFolder(const ProtoFolder&) = delete;
-  ProtoFolder& operator=(const ProtoFolder&) = delete;
-  ~ProtoFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-
   /// Returns the path of the written file.
   [[nodiscard]] std::string Write(const std::string& name, const std::string& text) const {
-    const std::filesystem::path file = folder_ / name;
-    std::filesystem::create_directories(file.parent_path());
-    std::ofstream(file) << text;
-    return file.string();
+    std::filesystem::create_directories((*this / name).parent_path());
+    return ScratchFolder::Write(name, text).string();
   }
-  [[nodiscard]] std::string path() const { return folder_.string(); }
-
- private:
-  std::filesystem::path folder_;
+  [[nodiscard]] std::string path() const { return ScratchFolder::path().string(); }
 };
-
-/// A type with fields of every kind.
-inline constexpr const char* kAllKinds = R"(syntax = "proto3";
-package kinds;
-import "google/protobuf/timestamp.proto";
-import "google/protobuf/duration.proto";
-import "foxglove/Pose.proto";
-
-enum Color { RED = 0; GREEN = 1; }
-message All {
-  message Part { double x = 1; repeated Part parts = 2; }
-  double a_double = 1;
-  float a_float = 2;
-  int32 a_int32 = 3;
-  int64 a_int64 = 4;
-  uint32 a_uint32 = 5;
-  uint64 a_uint64 = 6;
-  sint64 a_sint64 = 7;
-  fixed32 a_fixed32 = 8;
-  sfixed64 a_sfixed64 = 9;
-  bool a_bool = 10;
-  string a_string = 11;
-  bytes a_bytes = 12;
-  Color a_color = 13;
-  repeated float floats = 20;
-  repeated string texts = 21;
-  repeated bytes blocks = 22;
-  repeated Color colors = 23;
-  repeated bool bools = 24;
-  repeated Part several = 25;
-  google.protobuf.Timestamp time = 30;
-  google.protobuf.Duration duration = 31;
-  repeated google.protobuf.Duration durations = 32;
-  map<string, int32> labels = 40;
-  map<uint32, Part> parts = 41;
-  oneof choice { int32 chosen_number = 50; string chosen_text = 51; Part chosen_part = 52; }
-  optional double maybe = 60;
-  foxglove.Pose pose = 70;
-}
-)";
 
 }  // namespace hgros::cli

@@ -14,6 +14,7 @@ namespace {
 using testing::ElementsAre;
 using testing::ElementsAreArray;
 using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 // A command line with a flag, two options and any number of values.
 struct ReadArguments {
@@ -77,28 +78,24 @@ TEST(Arguments, RefuseAnEmptyName) {
       [&] {
         arguments.Parse(std::vector<std::string>{"a", ""});
       },
-      testing::ThrowsMessage<UsageError>(HasSubstr("CHANNEL is empty. Give it a value.")));
+      ThrowsMessage<UsageError>(HasSubstr("CHANNEL is empty. Give it a value.")));
 }
 
 TEST(Arguments, RefuseAnOptionThatIsNone) {
-  try {
-    const ReadArguments read({"--fla"});
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("--fla is not an option. Did you mean --flag?"));
-  }
+  EXPECT_THAT([] { const ReadArguments read({"--fla"}); },
+              ThrowsMessage<UsageError>(HasSubstr("--fla is not an option. Did you mean --flag?")));
   EXPECT_THROW(ReadArguments({"-x"}), UsageError);
   EXPECT_THROW(ReadArguments({"--one"}), UsageError);
 }
 
 TEST(Arguments, RefuseAValueForAFlag) {
   for (const std::string text : {"--flag=x", "--flag=false", "--flag="}) {
-    try {
-      const ReadArguments read({text, "--flag"});
-      FAIL() << text;
-    } catch (const UsageError& error) {
-      EXPECT_THAT(error.what(), HasSubstr("--flag takes no value. Write --flag alone."));
-    }
+    EXPECT_THAT(
+        [&] {
+          const ReadArguments read({text, "--flag"});
+        },
+        ThrowsMessage<UsageError>(HasSubstr("--flag takes no value. Write --flag alone.")))
+        << text;
   }
   EXPECT_THROW(ReadArguments({"-f=x"}), UsageError);
 }

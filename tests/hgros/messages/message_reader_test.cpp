@@ -18,9 +18,8 @@
 #include <hgros/Snapshot.pb.h>
 
 #include "hgros/codec/dynamic_schema.hpp"
-#include "hgros/proto_folder.hpp"
+#include "hgros/messages/all_kinds.hpp"
 #include "messages/message_text.hpp"
-#include "messages/type_finder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -118,30 +117,22 @@ class RandomMessages {
     switch (field.cpp_type()) {
       case FieldDescriptor::CPPTYPE_BOOL:
         return add ? r.AddBool(&message, &field, Below(2) > 0) : r.SetBool(&message, &field, Below(2) > 0);
-      case FieldDescriptor::CPPTYPE_INT32: {
-        const auto value = Whole<std::int32_t>();
-        return add ? r.AddInt32(&message, &field, value) : r.SetInt32(&message, &field, value);
-      }
-      case FieldDescriptor::CPPTYPE_INT64: {
-        const auto value = Whole<std::int64_t>();
-        return add ? r.AddInt64(&message, &field, value) : r.SetInt64(&message, &field, value);
-      }
-      case FieldDescriptor::CPPTYPE_UINT32: {
-        const auto value = Whole<std::uint32_t>();
-        return add ? r.AddUInt32(&message, &field, value) : r.SetUInt32(&message, &field, value);
-      }
-      case FieldDescriptor::CPPTYPE_UINT64: {
-        const auto value = Whole<std::uint64_t>();
-        return add ? r.AddUInt64(&message, &field, value) : r.SetUInt64(&message, &field, value);
-      }
-      case FieldDescriptor::CPPTYPE_FLOAT: {
-        const auto value = Real<float>();
-        return add ? r.AddFloat(&message, &field, value) : r.SetFloat(&message, &field, value);
-      }
-      case FieldDescriptor::CPPTYPE_DOUBLE: {
-        const auto value = Real<double>();
-        return add ? r.AddDouble(&message, &field, value) : r.SetDouble(&message, &field, value);
-      }
+      case FieldDescriptor::CPPTYPE_INT32:
+        return add ? r.AddInt32(&message, &field, Whole<std::int32_t>())
+                   : r.SetInt32(&message, &field, Whole<std::int32_t>());
+      case FieldDescriptor::CPPTYPE_INT64:
+        return add ? r.AddInt64(&message, &field, Whole<std::int64_t>())
+                   : r.SetInt64(&message, &field, Whole<std::int64_t>());
+      case FieldDescriptor::CPPTYPE_UINT32:
+        return add ? r.AddUInt32(&message, &field, Whole<std::uint32_t>())
+                   : r.SetUInt32(&message, &field, Whole<std::uint32_t>());
+      case FieldDescriptor::CPPTYPE_UINT64:
+        return add ? r.AddUInt64(&message, &field, Whole<std::uint64_t>())
+                   : r.SetUInt64(&message, &field, Whole<std::uint64_t>());
+      case FieldDescriptor::CPPTYPE_FLOAT:
+        return add ? r.AddFloat(&message, &field, Real<float>()) : r.SetFloat(&message, &field, Real<float>());
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        return add ? r.AddDouble(&message, &field, Real<double>()) : r.SetDouble(&message, &field, Real<double>());
       case FieldDescriptor::CPPTYPE_ENUM: {
         const int value = Below(3) == 0 ? 1000 + Below(9)
                                         : field.enum_type()->value(Below(field.enum_type()->value_count()))->number();
@@ -161,12 +152,8 @@ class RandomMessages {
 
 class EachType : public testing::TestWithParam<int> {
  protected:
-  EachType() {
-    const TypeOptions options{{folder_.Write("all.proto", kAllKinds)}, {}};
-    finder_ = std::make_unique<TypeFinder>(options);
-  }
   [[nodiscard]] std::vector<const google::protobuf::Descriptor*> Types() const {
-    return {finder_->Find("kinds.All"),
+    return {kinds_.finder.Find("kinds.All"),
             foxglove::Log::descriptor(),
             foxglove::LaserScan::descriptor(),
             foxglove::PointCloud::descriptor(),
@@ -175,8 +162,7 @@ class EachType : public testing::TestWithParam<int> {
             Snapshot::descriptor()};
   }
 
-  ProtoFolder folder_;
-  std::unique_ptr<TypeFinder> finder_;
+  const AllKinds kinds_;
 };
 
 TEST_P(EachType, ReadsBackWhatEchoWrites) {
@@ -295,10 +281,8 @@ TEST(MessageReader, RefusesNumbersOutOfRange) {
   EXPECT_EQ(FaultOf<foxglove::Log>("line: 0xFF"), "");
   EXPECT_THAT(FaultOf<foxglove::LaserScan>("start_angle: 1e400"), HasSubstr("is too large for start_angle"));
   EXPECT_EQ(FaultOf<foxglove::LaserScan>("start_angle: 1e-400"), "");
-  const ProtoFolder folder;
-  const TypeOptions options{{folder.Write("all.proto", kAllKinds)}, {}};
-  const TypeFinder finder(options);
-  const google::protobuf::Descriptor& all = finder.Require("kinds.All");
+  const AllKinds kinds;
+  const google::protobuf::Descriptor& all = kinds.finder.Require("kinds.All");
   EXPECT_THAT(FaultOf("a_float: 3.5e38", all), HasSubstr("is too large for a_float, which is a float."));
   EXPECT_THAT(FaultOf("a_float: -3.5e38", all), HasSubstr("is too large for a_float, which is a float."));
   EXPECT_EQ(FaultOf("a_float: 1e-60", all), "");
@@ -332,10 +316,8 @@ TEST(MessageReader, ReadsTimesAsTextSecondsFieldsAndNow) {
 }
 
 TEST(MessageReader, ReadsMapsInBothForms) {
-  const ProtoFolder folder;
-  const TypeOptions options{{folder.Write("all.proto", kAllKinds)}, {}};
-  const TypeFinder finder(options);
-  const auto schema = Dynamic(finder.Require("kinds.All"));
+  const AllKinds kinds;
+  const auto schema = Dynamic(kinds.finder.Require("kinds.All"));
   const auto short_form = schema->Read({});
   const auto long_form = schema->Read({});
   const MessageDocument one = MessageDocument::Parse("labels: {a: 1, b: -2}", "one");
@@ -371,21 +353,13 @@ TEST(MessageReader, RefusesDeepAndHugeTexts) {
     for (int i = 0; i < 1'000'100; ++i) items += ",0";
     return items;
   }() + "]}";
-  try {
-    (void)MessageDocument::ParseJson(many, "line", 1);
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("There are more than 1000000 values."));
-  }
+  EXPECT_THAT([&] { (void)MessageDocument::ParseJson(many, "line", 1); },
+              testing::ThrowsMessage<ConfigError>(HasSubstr("There are more than 1000000 values.")));
 }
 
 TEST(MessageDocument, TellsTheLineAndColumnOfAJsonFault) {
-  try {
-    (void)MessageDocument::ParseJson("{\"a\": nul}", "x.jsonl", 12);
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), StartsWith("x.jsonl:12:")) << error.what();
-  }
+  EXPECT_THAT([] { (void)MessageDocument::ParseJson("{\"a\": nul}", "x.jsonl", 12); },
+              testing::ThrowsMessage<ConfigError>(StartsWith("x.jsonl:12:")));
 }
 
 }  // namespace

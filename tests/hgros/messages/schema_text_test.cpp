@@ -13,9 +13,8 @@
 #include <foxglove/SceneUpdate.pb.h>
 
 #include "hgros/codec/dynamic_schema.hpp"
-#include "hgros/proto_folder.hpp"
+#include "hgros/messages/all_kinds.hpp"
 #include "messages/message_reader.hpp"
-#include "messages/type_finder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -50,11 +49,9 @@ TEST(SchemaText, WritesATypeAfterTheTypesInIt) {
 }
 
 TEST(SchemaText, WritesMapsOneofsAndOptionalFieldsOfAPublishersSchema) {
-  const ProtoFolder folder;
-  const TypeOptions options{{folder.Write("all.proto", kAllKinds)}, {}};
-  const TypeFinder finder(options);
+  const AllKinds kinds;
   std::string fault;
-  const auto schema = DynamicSchema::Build(SchemaFor(finder.Require("kinds.All")), fault);
+  const auto schema = DynamicSchema::Build(SchemaFor(kinds.finder.Require("kinds.All")), fault);
   ASSERT_NE(schema, nullptr) << fault;
   const std::string text = ProtoText(schema->descriptor());
   EXPECT_THAT(text, HasSubstr("  map<string, int32> labels = 40;\n  map<uint32, Part> parts = 41;\n"));
@@ -66,12 +63,10 @@ TEST(SchemaText, WritesMapsOneofsAndOptionalFieldsOfAPublishersSchema) {
 }
 
 TEST(SchemaText, WritesATemplateThatCanBePublished) {
-  const ProtoFolder folder;
-  const TypeOptions options{{folder.Write("all.proto", kAllKinds)}, {}};
-  const TypeFinder finder(options);
+  const AllKinds kinds;
   for (const char* name : {"kinds.All", "foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Log",
                            "foxglove.PointCloud", "foxglove.CameraCalibration", "hgros.Snapshot"}) {
-    const google::protobuf::Descriptor& type = finder.Require(name);
+    const google::protobuf::Descriptor& type = kinds.finder.Require(name);
     std::string fault;
     const auto schema = DynamicSchema::Build(SchemaFor(type), fault);
     const auto message = schema->Read({});

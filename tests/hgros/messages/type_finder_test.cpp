@@ -29,12 +29,9 @@ TEST(TypeFinder, FindsTypesOfTheLibraryWithoutFiles) {
   ASSERT_NE(finder.Find("foxglove.Log"), nullptr);
   EXPECT_EQ(finder.Find("foxglove/Log"), finder.Find("foxglove.Log"));
   EXPECT_EQ(finder.Find("foxglove.Lig"), nullptr);
-  try {
-    (void)finder.Require("foxglove.LaserScn");
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(), "The type foxglove.LaserScn is not known. Did you mean foxglove.LaserScan?");
-  }
+  EXPECT_THAT(
+      [&] { (void)finder.Require("foxglove.LaserScn"); },
+      testing::ThrowsMessage<UsageError>("The type foxglove.LaserScn is not known. Did you mean foxglove.LaserScan?"));
   EXPECT_EQ(finder.Nearest("LaserScan"), "foxglove.LaserScan");
 }
 
