@@ -23,6 +23,13 @@ namespace {
 
 using foxglove::KeyValuePair;
 
+void Wait(std::chrono::milliseconds time) {
+  std::mutex mutex;
+  std::condition_variable never;
+  std::unique_lock lock(mutex);
+  (void)never.wait_for(lock, time, [] { return false; });
+}
+
 std::unique_ptr<KeyValuePair> Numbered(int number) {
   auto message = std::make_unique<KeyValuePair>();
   message->set_value(std::to_string(number));
@@ -130,10 +137,6 @@ class Does {
     if (done_) std::ofstream(before).flush();
     return done_;
   }
-  void Wait(std::chrono::milliseconds time) {
-    std::unique_lock lock(mutex_);
-    (void)never_.wait_for(lock, time, [] { return false; });
-  }
 
   static inline bool constructed_before = false;
 
@@ -141,8 +144,6 @@ class Does {
   const std::string what_;
   bool done_ = false;
   std::string allocated_;
-  std::mutex mutex_;
-  std::condition_variable never_;
 };
 HGROS_COMPONENT(Does, "relay/Does")
 
@@ -184,10 +185,6 @@ class Counter {
   void Restore(const KeyValuePair& state) { count_ = std::stoi(state.value()); }
 
  private:
-  void Wait(std::chrono::milliseconds time) {
-    std::unique_lock lock(mutex_);
-    (void)never_.wait_for(lock, time, [] { return false; });
-  }
   void Say(const std::string& what) const {
     context_.log().Write(hgros::LogLevel::kInfo, what + " " + std::to_string(count_) + ".");
   }
@@ -201,8 +198,6 @@ class Counter {
   bool secret_ = false;
   mutable int saved_ = -1;
   mutable int times_saved_ = 0;
-  std::mutex mutex_;
-  std::condition_variable never_;
 };
 HGROS_COMPONENT(Counter, "relay/Counter")
 
