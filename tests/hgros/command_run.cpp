@@ -21,11 +21,12 @@ namespace hgros::cli {
 namespace {
 
 // The tests run without a domain, which hides the others.
-std::unique_ptr<Session> MakeSession(const std::string& name, const std::string& domain) {
+std::unique_ptr<Session> MakeSession(const std::string& name, const std::string& domain, const std::string& config) {
   const char* before = std::getenv("HGROS_DOMAIN");
   const std::string kept = before == nullptr ? "" : before;
   setenv("HGROS_DOMAIN", domain.c_str(), 1);
-  auto session = std::make_unique<Session>(Config(), SessionOptions{name, [](LogLevel, std::string_view) {}});
+  auto session =
+      std::make_unique<Session>(Config::Parse(config), SessionOptions{name, [](LogLevel, std::string_view) {}});
   setenv("HGROS_DOMAIN", kept.c_str(), 1);
   return session;
 }
@@ -144,8 +145,10 @@ CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::stri
   return {status, run.out(), run.err()};
 }
 
-RobotForCommands::RobotForCommands(const std::string& name, const std::string& domain)
-    : domain_(domain.empty() ? "cli" + std::to_string(RandomId()) : domain), session_(MakeSession(name, domain_)) {}
+std::map<std::string, std::string> OwnDomain() { return {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}}; }
+
+RobotForCommands::RobotForCommands(const std::string& name, const std::string& domain, const std::string& config)
+    : domain_(domain.empty() ? OwnDomain()["HGROS_DOMAIN"] : domain), session_(MakeSession(name, domain_, config)) {}
 
 CommandEnd RobotForCommands::Run(std::vector<std::string> arguments) const {
   AwaitAnnounced();
@@ -153,20 +156,24 @@ CommandEnd RobotForCommands::Run(std::vector<std::string> arguments) const {
 }
 
 void RobotForCommands::AwaitAnnounced() const {
-  const std::unique_ptr<Session> observer = MakeSession("observer", domain_);
-  const Subscription any = observer->FromAnyRaw("observed", Invoke::kSerial, [](const RawMessage&) {});
-  const auto uses = [](const Session& session, SessionId who) {
-    std::size_t count = 0;
+  const auto uses = [who = session_->id()](const Session& session) {
+    std::multiset<std::string> names;
     for (const KnownChannel& channel : session.Channels()) {
       for (const auto* users : {&channel.publishers, &channel.subscribers}) {
-        count += static_cast<std::size_t>(std::ranges::count(*users, who, &ChannelUser::session));
+        for (const ChannelUser& user : *users) {
+          if (user.session == who) names.insert(channel.name);
+        }
       }
     }
-    return count;
+    return names;
   };
-  if (!test::Await([&] { return uses(*observer, session_->id()) >= uses(*session_, session_->id()); })) {
+  if (uses(*session_) == announced_) return;
+  const std::unique_ptr<Session> observer = MakeSession("observer", domain_, {});
+  const Subscription any = observer->FromAnyRaw("observed", Invoke::kSerial, [](const RawMessage&) {});
+  if (!test::Await([&] { return uses(*observer).size() >= uses(*session_).size(); })) {
     throw Error("the robot is not announced");
   }
+  announced_ = uses(*session_);
 }
 
 std::vector<std::string> LinesOf(const std::string& text) {

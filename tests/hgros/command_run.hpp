@@ -1,10 +1,14 @@
 #pragma once
 
+#include <gmock/gmock.h>
 #include <sys/types.h>
 
 #include <chrono>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <ostream>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -53,28 +57,47 @@ struct CommandEnd {
   int status = -1;
   std::string out;
   std::string err;
+
+  friend void PrintTo(const CommandEnd& end, std::ostream* to) { *to << end.status << "\n" << end.out << end.err; }
 };
+/// A matcher for the end of a command: its status, and what it wrote to standard error, a text or a matcher.
+template <class Err>
+auto Ends(int status, const Err& err) {
+  return testing::AllOf(testing::Field("status", &CommandEnd::status, status),
+                        testing::Field("err", &CommandEnd::err, err));
+}
+/// One for the end of a command that succeeded, and wrote `out` and nothing else.
+template <class Out>
+auto Writes(const Out& out) {
+  return testing::AllOf(Ends(0, ""), testing::Field("out", &CommandEnd::out, out));
+}
 CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
 /// The command with a --timeout that a busy machine keeps, too: without one, most wait only a second for an answer.
 std::vector<std::string> Patiently(std::vector<std::string> arguments);
 /// A script for /bin/sh, which finds the command in $HGROS.
 CommandEnd RunInShell(const std::string& script, std::map<std::string, std::string> environment = {});
 
+/// HGROS_DOMAIN with a name that nobody else has.
+std::map<std::string, std::string> OwnDomain();
+
 /// A robot in this process, and commands that find it: a domain of their own.
 class RobotForCommands {
  public:
   /// Without a domain it gets one of its own.
-  explicit RobotForCommands(const std::string& name = "robot", const std::string& domain = {});
+  explicit RobotForCommands(const std::string& name = "robot", const std::string& domain = {},
+                            const std::string& config = {});
 
   [[nodiscard]] Session& session() noexcept { return *session_; }
   /// Waits until others can find all channels of the robot, then runs the command.
   [[nodiscard]] CommandEnd Run(std::vector<std::string> arguments) const;
   void AwaitAnnounced() const;
+  [[nodiscard]] const std::string& domain() const { return domain_; }
   /// HGROS_DOMAIN, for other processes.
   [[nodiscard]] std::map<std::string, std::string> environment() const { return {{"HGROS_DOMAIN", domain_}}; }
 
  private:
   std::string domain_;
+  mutable std::multiset<std::string> announced_;  // The channels, once for each use, that others could find before.
   std::unique_ptr<Session> session_;
 };
 

@@ -1,17 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
 #include "hgros/params/param_codec.hpp"
 #include "hgros/params/param_service.hpp"
-#include "support/path.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -24,18 +23,12 @@ class HgrosCompletion : public testing::Test {
  protected:
   // What bash offers for the words, where the last one is unfinished. `words` are quoted as bash needs it.
   [[nodiscard]] std::vector<std::string> InBash(const std::string& words, const std::string& options = "") const {
-    const std::string script = "source <(\"$HGROS\" completion bash) || exit 1; COMP_WORDS=(\"$HGROS\" " + words +
-                               "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); " + options +
-                               " _hgros \"$HGROS\"; ((${#COMPREPLY[@]})) && printf \"%s\\n\" \"${COMPREPLY[@]}\"";
-    setenv("HGROS", test::Path("hgros").c_str(), 1);
-    setenv("COMPLETION_SCRIPT", script.c_str(), 1);
-    setenv("HGROS_DOMAIN", robot_.environment().at("HGROS_DOMAIN").c_str(), 1);
-    FILE* bash = popen("bash -c \"$COMPLETION_SCRIPT\" 2>&1", "r");
-    unsetenv("HGROS_DOMAIN");
-    std::string out;
-    for (int c = 0; (c = std::fgetc(bash)) != EOF;) out += static_cast<char>(c);
-    (void)pclose(bash);
-    return LinesOf(out);
+    auto environment = robot_.environment();
+    environment["COMPLETION_SCRIPT"] =
+        "source <(\"$HGROS\" completion bash) || exit 1; COMP_WORDS=(\"$HGROS\" " + words +
+        "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); " + options +
+        " _hgros \"$HGROS\"; ((${#COMPREPLY[@]})) && printf \"%s\\n\" \"${COMPREPLY[@]}\"";
+    return LinesOf(RunInShell("bash -c \"$COMPLETION_SCRIPT\" 2>&1", environment).out);
   }
 
   // A session announces its channels a moment after they were made, and a busy machine may not answer in the 0.4 s that
@@ -49,16 +42,33 @@ class HgrosCompletion : public testing::Test {
   RobotForCommands robot_{"robot"};
 };
 
-TEST_F(HgrosCompletion, OffersCommandsAndOptionsInBash) {
+TEST_F(HgrosCompletion, OffersCommandsAndOptionsAndLeavesFilesToTheShell) {
   EXPECT_THAT(InBash("par"), ElementsAre("param"));
   EXPECT_THAT(InBash("param ge"), ElementsAre("get"));
   EXPECT_THAT(InBash("list --js"), ElementsAre("--json"));
   EXPECT_THAT(InBash("list se"), ElementsAre("sessions", "services"));
+  EXPECT_THAT(InBash("list --config fi", "compopt() { printf \"%s\\n\" \"$*\"; };"), ElementsAre("-o default"));
+  EXPECT_THAT(InBash("list --config = fi", "compopt() { printf \"%s\\n\" \"$*\"; };"), ElementsAre("-o default"));
+  EXPECT_THAT(InBash("nothing \"\""), IsEmpty());
+  EXPECT_THAT(InBash("param get nobody x"), IsEmpty());
+  EXPECT_THAT(InBash("echo --connect nowhere \"\""), IsEmpty());
+  const CommandEnd end = robot_.Run({"__complete", "--", "echo", "--domain", "no good", ""});
+  EXPECT_EQ(end.out + end.err, "");
+  for (const char* shell : {"bash", "zsh", "fish"}) {
+    const CommandEnd script = RunToEnd({"completion", shell});
+    EXPECT_EQ(script.status, 0);
+    EXPECT_THAT(script.out, testing::HasSubstr("__complete -- "));
+  }
+  EXPECT_EQ(RunToEnd({"completion"}).status, 2);
+  EXPECT_EQ(RunToEnd({"completion", "tcsh"}).status, 2);
 }
 
-TEST_F(HgrosCompletion, OffersLiveNamesInBash) {
+TEST_F(HgrosCompletion, OffersLiveNamesThatAreNeverRunByTheShell) {
+  const test::ScratchFolder folder;
+  const std::string trap = folder / "trap";
   const auto scan = robot_.session().Advertise<Log>("scan/front");
   const auto scans = robot_.session().Advertise<Log>("scan/rear");
+  const auto hostile = robot_.session().Advertise<Log>("x$(touch${IFS}" + trap + ")");
   const Service service = robot_.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
   ParamServer server;
   (void)server.Declare("matcher.method", std::string("icp"), {.choices = {"icp", "ndt"}});
@@ -67,49 +77,10 @@ TEST_F(HgrosCompletion, OffersLiveNamesInBash) {
   EXPECT_THAT(NamesInBash("echo sc", 2), ElementsAre("scan/front", "scan/rear"));
   EXPECT_THAT(NamesInBash("param get \"\"", 2), ElementsAre("matcher.method", "robot"));
   EXPECT_THAT(NamesInBash("param set robot matcher.method \"\"", 2), ElementsAre("icp", "ndt"));
-}
-
-TEST_F(HgrosCompletion, LeavesFilesToTheShell) {
-  EXPECT_THAT(InBash("list --config fi", "compopt() { printf \"%s\\n\" \"$*\"; };"), ElementsAre("-o default"));
-  EXPECT_THAT(InBash("list --config = fi", "compopt() { printf \"%s\\n\" \"$*\"; };"), ElementsAre("-o default"));
-}
-
-TEST_F(HgrosCompletion, NamesOfARobotAreNeverRunByTheShell) {
-  const std::string trap = testing::TempDir() + "hgros_trap_" + std::to_string(RandomId());
-  const auto hostile = robot_.session().Advertise<Log>("x$(touch${IFS}" + trap + ")");
   const std::vector<std::string> offered = NamesInBash("echo x");
   ASSERT_EQ(offered.size(), 1U);
   EXPECT_THAT(offered[0], testing::StartsWith("x\\$\\(touch\\$\\{IFS\\}"));
   EXPECT_FALSE(std::filesystem::exists(trap));
-}
-
-TEST_F(HgrosCompletion, SaysNothingWhenSomethingIsWrong) {
-  EXPECT_THAT(InBash("nothing \"\""), IsEmpty());
-  EXPECT_THAT(InBash("param get nobody x"), IsEmpty());
-  EXPECT_THAT(InBash("echo --connect nowhere \"\""), IsEmpty());
-  const CommandEnd end = robot_.Run({"__complete", "--", "echo", "--domain", "no good", ""});
-  EXPECT_EQ(end.out + end.err, "");
-}
-
-TEST_F(HgrosCompletion, HasAScriptForEachShell) {
-  for (const char* shell : {"bash", "zsh", "fish"}) {
-    const CommandEnd end = RunToEnd({"completion", shell});
-    EXPECT_EQ(end.status, 0);
-    EXPECT_THAT(end.out, testing::HasSubstr("__complete -- "));
-  }
-  EXPECT_EQ(RunToEnd({"completion"}).status, 2);
-  EXPECT_EQ(RunToEnd({"completion", "tcsh"}).status, 2);
-}
-
-TEST(HgrosVersion, IsThatOfTheProject) {
-  EXPECT_THAT(RunToEnd({"--version"}).out, testing::MatchesRegex("hgros [0-9]+\\.[0-9]+\\.[0-9]+\n"));
-}
-
-TEST(HgrosVersion, StandsAlone) {
-  const CommandEnd end = RunToEnd({"--version", "extra"});
-  EXPECT_EQ(end.status, 2);
-  EXPECT_EQ(end.out, "");
-  EXPECT_THAT(end.err, testing::HasSubstr("--version takes nothing else, but there is \"extra\"."));
 }
 
 }  // namespace

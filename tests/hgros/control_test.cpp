@@ -6,12 +6,11 @@
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <foxglove/Log.pb.h>
@@ -43,7 +42,7 @@ bool IsClosed(RobotForCommands& robot, const std::string& channel) {
 
 TEST(HgrosControl, ClosesAndOpensAChannelWhereItIsUsed) {
   RobotForCommands robot("talker");
-  RobotForCommands other("other", robot.environment().at("HGROS_DOMAIN"));
+  RobotForCommands other("other", robot.domain());
   const auto scan = robot.session().Advertise<Log>("scan");
   const auto map = other.session().Advertise<Log>("map");
   other.AwaitAnnounced();
@@ -56,54 +55,49 @@ TEST(HgrosControl, ClosesAndOpensAChannelWhereItIsUsed) {
   EXPECT_THAT(open.out, AllOf(StartsWith("{\"process\":\"talker\",\"pid\":"), HasSubstr("\"done\":true"),
                               HasSubstr("\"answer\":\"Channel \\\"scan\\\" is open")));
   EXPECT_FALSE(IsClosed(robot, "scan"));
-  const CommandEnd unknown = robot.Run({"control", "close", "scna"});
-  EXPECT_EQ(unknown.status, 1);
-  EXPECT_THAT(unknown.err, EndsWith("hgros: No session uses scna. Did you mean scan?\n"));
+  EXPECT_THAT(robot.Run({"control", "close", "scna"}),
+              Ends(1, EndsWith("hgros: No session uses scna. Did you mean scan?\n")));
+
+  RobotForCommands off("off", robot.domain(), "control: off\n");  // It does not take orders.
+  const auto offered = off.session().Advertise<Log>("scan");
+  off.AwaitAnnounced();
+  const CommandEnd end = robot.Run({"control", "close", "scan", "--timeout", "40"});
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("is closed"), HasSubstr("its configuration says `control: off`")));
 }
 
-TEST(HgrosControl, AsksAllSessionsThatAPatternMatches) {
+TEST(HgrosControl, AsksAllSessionsThatAPatternMatchesAsInItsExamples) {
   RobotForCommands left("left_arm");
-  const std::string domain = left.environment().at("HGROS_DOMAIN");
-  RobotForCommands right("right_arm", domain);
-  RobotForCommands base("base", domain);
+  RobotForCommands right("right_arm", left.domain());
+  RobotForCommands base("base", left.domain());
   std::vector<Publisher<Log>> publishers;
   for (RobotForCommands* robot : {&left, &right, &base}) {
     publishers.push_back(robot->session().Advertise<Log>("status"));
     robot->AwaitAnnounced();
   }
-  const CommandEnd arms =
-      RunToEnd({"control", "forbid", "status", "--timeout", "40", "--session", "*_arm", "--json"}, left.environment());
+  const auto run = [&](const std::vector<std::string>& words) { return RunToEnd(words, left.environment()); };
+  const CommandEnd arms = run({"control", "forbid", "status", "--timeout", "40", "--session", "*_arm", "--json"});
   EXPECT_EQ(arms.status, 0) << arms.err;
   EXPECT_EQ(LinesOf(arms.out).size(), 2U) << arms.out;
   EXPECT_THAT(arms.out, Not(HasSubstr("base")));
   const CommandEnd one =
-      RunToEnd({"control", "allow", "status", "--timeout", "40", "--session", base.session().id().ToString()},
-               left.environment());
+      run({"control", "allow", "status", "--timeout", "40", "--session", base.session().id().ToString()});
   EXPECT_THAT(one.out, AllOf(HasSubstr("base:"), Not(HasSubstr("_arm:"))));
-  const CommandEnd all = RunToEnd({"control", "log", "error", "--json", "--timeout", "40"}, left.environment());
+  const CommandEnd all = run({"control", "log", "error", "--json", "--timeout", "40"});
   EXPECT_EQ(LinesOf(all.out).size(), 3U) << all.out;
-  const CommandEnd nobody = RunToEnd({"control", "log", "error", "--session", "bsae"}, left.environment());
-  EXPECT_EQ(nobody.status, 1);
-  EXPECT_THAT(nobody.err, EndsWith("hgros: No session is called bsae. Did you mean base?\n"));
-}
+  EXPECT_THAT(run({"control", "log", "error", "--session", "bsae"}),
+              Ends(1, EndsWith("hgros: No session is called bsae. Did you mean base?\n")));
 
-TEST(HgrosControl, SaysWhoDoesNotTakeOrders) {
-  RobotForCommands robot("talker");
-  const auto scan = robot.session().Advertise<Log>("scan");
-  setenv("HGROS_DOMAIN", robot.environment().at("HGROS_DOMAIN").c_str(), 1);
-  Session off(Config::Parse("control: off\n"), {.name = "off", .log = [](LogLevel, std::string_view) {}});
-  setenv("HGROS_DOMAIN", "none", 1);
-  const auto other = off.Advertise<Log>("scan");
-  ASSERT_TRUE(test::Await([&] { return robot.session().Channels().size() >= 2; }));
-  ASSERT_TRUE(test::Await([&] {
-    for (const KnownChannel& channel : robot.session().Channels()) {
-      if (channel.name == "scan") return channel.publishers.size() == 2;
+  RobotForCommands talker("talker");
+  const auto scan = talker.session().Advertise<Log>("scan");
+  talker.AwaitAnnounced();  // Not while a channel is forbidden, which is not announced.
+  for (const char* command : {"control close", "control open", "control forbid", "control allow", "control log"}) {
+    for (const std::vector<std::string>& example : ExamplesOf(command)) {
+      const CommandEnd end = RunToEnd(Patiently(example), talker.environment());
+      EXPECT_EQ(end.status, 0) << testing::PrintToString(example) << end.err;
+      EXPECT_THAT(end.out, HasSubstr("talker:"));
     }
-    return false;
-  }));
-  const CommandEnd end = robot.Run({"control", "close", "scan", "--timeout", "40"});
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.out, AllOf(HasSubstr("is closed"), HasSubstr("its configuration says `control: off`")));
+  }
 }
 
 // As between hosts: endpoints and keys, without discovery.
@@ -154,15 +148,12 @@ TEST(HgrosControl, SteersThroughConnectAloneWithAnAllowedKey) {
   Session robot(Config::Parse(keys.robot), {.name = "talker", .log = [](LogLevel, std::string_view) {}});
   const auto scan = robot.Advertise<Log>("scan");
   const std::string endpoint = robot.PublisherEndpoints().at(0);
-  const std::map<std::string, std::string> own{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
-  const std::map<std::string, std::string> answers{{"close", "Channel \"scan\" is closed"},
-                                                   {"open", "Channel \"scan\" is open"},
-                                                   {"forbid", "Channel \"scan\" is forbidden"},
-                                                   {"allow", "Channel \"scan\" is allowed"}};
-  for (const char* action : {"close", "open", "forbid", "allow"}) {
+  const std::map<std::string, std::string> own = OwnDomain();
+  for (const auto& [action, state] :
+       {std::pair("close", "closed"), {"open", "open"}, {"forbid", "forbidden"}, {"allow", "allowed"}}) {
     const CommandEnd end = RunToEnd(keys.Command({"control", action, "scan"}, endpoint), own);
     EXPECT_EQ(end.status, 0) << end.out << end.err;
-    EXPECT_THAT(end.out, AllOf(HasSubstr("talker:"), HasSubstr(answers.at(action))));
+    EXPECT_THAT(end.out, AllOf(HasSubstr("talker:"), HasSubstr("Channel \"scan\" is " + std::string(state))));
   }
   const CommandEnd log = RunToEnd(keys.Command({"control", "log", "error"}, endpoint), own);
   EXPECT_EQ(log.status, 0) << log.out << log.err;
@@ -176,35 +167,18 @@ TEST(HgrosControl, IsRefusedThroughConnectWithoutKeys) {
   Session robot(Config::Parse("network: {publisher: {ip: '" + endpoint + "'}}\ndiscovery: {local: false}\n"),
                 {.name = "talker", .log = [](LogLevel, std::string_view) {}});
   const auto scan = robot.Advertise<Log>("scan");
-  const CommandEnd end = RunToEnd(Patiently({"control", "close", "scan", "--connect", endpoint}),
-                                  {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  const CommandEnd end = RunToEnd(Patiently({"control", "close", "scan", "--connect", endpoint}), OwnDomain());
   EXPECT_EQ(end.status, 1) << end.out << end.err;
   EXPECT_THAT(end.out, HasSubstr("those whose CURVE key is in network.security.allowed_clients"));
 }
 
 TEST(HgrosControl, RefusesWrongArguments) {
-  EXPECT_EQ(RunToEnd({"control", "stop"}).status, 2);
-  EXPECT_THAT(RunToEnd({"control", "stop"}).err, HasSubstr("--session '*'"));
+  EXPECT_THAT(RunToEnd({"control", "stop"}), Ends(2, HasSubstr("--session '*'")));
   EXPECT_EQ(RunToEnd({"control", "log"}).status, 2);
   EXPECT_THAT(RunToEnd({"control", "log", "wraning"}).err, HasSubstr("warning"));
   EXPECT_EQ(RunToEnd({"control", "close", "a b"}).status, 2);
-  RobotForCommands nobody;
-  const CommandEnd end = RunToEnd({"control", "log", "info"}, nobody.environment());
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.err, EndsWith("hgros: No session is there to be asked.\n"));
-}
-
-TEST(HgrosControl, ItsExamplesWork) {
-  RobotForCommands robot("talker");
-  const auto scan = robot.session().Advertise<Log>("scan");
-  robot.AwaitAnnounced();  // Not while a channel is forbidden, which is not announced.
-  for (const char* command : {"control close", "control open", "control forbid", "control allow", "control log"}) {
-    for (const std::vector<std::string>& example : ExamplesOf(command)) {
-      const CommandEnd end = RunToEnd(Patiently(example), robot.environment());
-      EXPECT_EQ(end.status, 0) << testing::PrintToString(example) << end.err;
-      EXPECT_THAT(end.out, HasSubstr("talker:"));
-    }
-  }
+  EXPECT_THAT(RunToEnd({"control", "log", "info"}, OwnDomain()),
+              Ends(1, EndsWith("hgros: No session is there to be asked.\n")));
 }
 
 // The example publisher as a process, which handles SIGTERM.
@@ -225,7 +199,6 @@ class ExamplePublisher {
     (void)kill(pid_, SIGKILL);
     (void)waitpid(pid_, nullptr, 0);
   }
-  [[nodiscard]] pid_t pid() const { return pid_; }
   void Signal(int number) const { (void)kill(pid_, number); }
   // The exit status, once it has ended.
   [[nodiscard]] std::optional<int> Status() {
@@ -249,8 +222,8 @@ class HgrosControlProcess : public testing::Test {
     }));
   }
 
-  const std::string domain = "cli" + std::to_string(RandomId());
-  const std::map<std::string, std::string> environment{{"HGROS_DOMAIN", domain}};
+  const std::map<std::string, std::string> environment = OwnDomain();
+  const std::string domain = environment.at("HGROS_DOMAIN");
   std::optional<ExamplePublisher> publisher;
 };
 
@@ -269,19 +242,26 @@ TEST(HgrosControl, StopsThroughConnectAloneWithAnAllowedKey) {
   std::string yaml = keys.robot;
   yaml.replace(yaml.find("tcp://127.0.0.1:*"), std::string("tcp://127.0.0.1:*").size(), endpoint);
   ExamplePublisher publisher("none", keys.folder.Write("robot.yaml", yaml));
-  const CommandEnd end = RunToEnd(keys.Command({"control", "stop", "--session", "pub*"}, endpoint),
-                                  {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}});
+  const CommandEnd end = RunToEnd(keys.Command({"control", "stop", "--session", "pub*"}, endpoint), OwnDomain());
   EXPECT_EQ(end.status, 0) << end.out << end.err;
   EXPECT_THAT(end.out, HasSubstr("gets SIGTERM"));
   ASSERT_TRUE(test::Await([&] { return publisher.Status().has_value(); }));
   EXPECT_TRUE(WIFEXITED(*publisher.Status()));
 }
 
-TEST_F(HgrosControlProcess, ThatHangsDoesNotHoldUpOthers) {
+TEST_F(HgrosControlProcess, ThatHangsIsWaitedForUntilTheTimeoutAndDoesNotHoldUpOthers) {
+  publisher->Signal(SIGSTOP);
+  CommandRun stop({"control", "stop", "--session", "publisher", "--timeout", "4"}, environment);
+  const CommandEnd channel = RunToEnd({"control", "close", "greetings"}, environment);  // It has announced the channel.
+  EXPECT_EQ(channel.status, 1) << channel.err;
+  EXPECT_THAT(channel.out, AllOf(HasSubstr("publisher:"), HasSubstr("It does not answer: it hangs")));
+  const CommandEnd in_time =
+      RunToEnd({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"}, environment);
+  EXPECT_EQ(in_time.status, 3);
+  EXPECT_EQ(stop.Wait(), 3);
+
   RobotForCommands robot("talker", domain);
   const auto scan = robot.session().Advertise<Log>("greetings");
-  robot.AwaitAnnounced();
-  publisher->Signal(SIGSTOP);
   CommandEnd end;  // On a busy machine, who does not hang may be late, too.
   (void)test::Await([&] {
     end = robot.Run({"control", "log", "error", "--session", "*"});
@@ -289,25 +269,7 @@ TEST_F(HgrosControlProcess, ThatHangsDoesNotHoldUpOthers) {
   });
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.out, AllOf(HasSubstr("Log lines below the level error"), HasSubstr("It does not answer")));
-  const CommandEnd in_time = robot.Run({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"});
-  EXPECT_EQ(in_time.status, 3);
-}
 
-TEST_F(HgrosControlProcess, ThatHangsIsWaitedForUntilTheTimeout) {
-  publisher->Signal(SIGSTOP);
-  const CommandEnd end = RunToEnd({"control", "stop", "--session", "publisher", "--timeout", "4"}, environment);
-  EXPECT_EQ(end.status, 3);
-}
-
-TEST_F(HgrosControlProcess, ThatHangsIsAskedForAChannelThatItHasAnnounced) {
-  publisher->Signal(SIGSTOP);
-  const CommandEnd end = RunToEnd({"control", "close", "greetings"}, environment);
-  EXPECT_EQ(end.status, 1) << end.err;
-  EXPECT_THAT(end.out, AllOf(HasSubstr("publisher:"), HasSubstr("It does not answer: it hangs")));
-}
-
-TEST_F(HgrosControlProcess, ThatDiesWhileItIsAskedIsNamed) {
-  publisher->Signal(SIGSTOP);
   CommandRun run({"control", "log", "error", "--session", "publisher", "--timeout", "3"}, environment);
   test::Linger(std::chrono::milliseconds(300));
   publisher->Signal(SIGKILL);
@@ -315,25 +277,13 @@ TEST_F(HgrosControlProcess, ThatDiesWhileItIsAskedIsNamed) {
   EXPECT_THAT(run.out() + run.err(), HasSubstr("ublisher"));
 }
 
-// What the output of a shell command is.
-std::string OutputOf(const std::string& line) {
-  std::string text;
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(line.c_str(), "r"), pclose);
-  std::array<char, 256> part{};
-  while (pipe && fgets(part.data(), part.size(), pipe.get()) != nullptr) text += part.data();
-  return text;
-}
-
 TEST_F(HgrosControlProcess, TakesNoOrdersFromAnotherUser) {
-  const std::string as_nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
-  if (OutputOf(as_nobody + test::Path("hgros") + " --version 2>/dev/null; echo $?").find("0\n") == std::string::npos) {
-    GTEST_SKIP() << "The command cannot be run as another user.";
-  }
+  const std::string as_nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups $HGROS ";
+  if (RunInShell(as_nobody + "--version").status != 0) GTEST_SKIP() << "The command cannot be run as another user.";
   const std::string runtime = std::getenv("XDG_RUNTIME_DIR") == nullptr ? "" : std::getenv("XDG_RUNTIME_DIR");
-  for (const std::string& folder : {std::string(), "XDG_RUNTIME_DIR=" + runtime + " "}) {
-    const std::string said = OutputOf("env -u XDG_RUNTIME_DIR HGROS_DOMAIN=" + domain + " " + folder + as_nobody +
-                                      test::Path("hgros") + " control stop --session '*' 2>&1; echo status $?");
-    EXPECT_THAT(said, HasSubstr("status 1")) << said;
+  for (const std::string& folder : {std::string("-u XDG_RUNTIME_DIR "), "XDG_RUNTIME_DIR=" + runtime + " "}) {
+    const CommandEnd end = RunInShell("env " + folder + as_nobody + "control stop --session '*'", environment);
+    EXPECT_EQ(end.status, 1) << end.out << end.err;
   }
   test::Linger(std::chrono::milliseconds(300));
   EXPECT_FALSE(publisher->Status());

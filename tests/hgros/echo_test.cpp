@@ -16,6 +16,8 @@ namespace {
 
 using foxglove::LaserScan;
 using foxglove::Log;
+using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 
 Log Line(const std::string& text) {
@@ -26,18 +28,28 @@ Log Line(const std::string& text) {
   return log;
 }
 
-TEST(HgrosEcho, ShowsLatchedMessagesFirst) {
+TEST(HgrosEcho, ShowsLatchedMessagesFirstAsAskedFor) {
   RobotForCommands robot;
-  const auto publish = robot.session().Advertise<Log>("status", {.latched = 2});
-  publish(Line("first"));
-  publish(Line("second"));
-  const CommandEnd end = robot.Run({"echo", "status", "-n", "2", "--field", "message"});
-  EXPECT_EQ(end.status, 0);
-  EXPECT_EQ(end.out, "first\nsecond\n");
-  EXPECT_EQ(end.err, "");
+  const auto publish = robot.session().Advertise<Log>("status", {.latched = 3});
+  const auto more = robot.session().Advertise<Log>("more", {.latched = 1});
+  for (const char* text : {"one, two", "bb", "three"}) publish(Line(text));
+  more(Line("other"));
+  EXPECT_THAT(robot.Run({"echo", "status", "-n", "3", "--field", "message"}), Writes("one, two\nbb\nthree\n"));
+  const std::vector<std::string> lines =
+      LinesOf(robot.Run({"echo", "status", "-n", "3", "--csv", "--field", "message", "--field", "line"}).out);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_EQ(lines[0], "publish_time_ns,message,line");
+  EXPECT_THAT(lines[1], EndsWith(",\"one, two\",7"));
+  EXPECT_THAT(lines[3], EndsWith(",three,7"));
+  const CommandEnd filtered = robot.Run(
+      {"echo", "status", "--once", "--field", "message", "--filter", "size(message) == 2 && level == 'ERROR'"});
+  EXPECT_EQ(filtered.out, "bb\n");
+  const CommandEnd both = robot.Run({"echo", "--field", "message", "-n", "4", "status", "more"});
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_THAT(both.out, AllOf(HasSubstr("three\n"), HasSubstr("other\n")));
 }
 
-TEST(HgrosEcho, ShowsYamlAndEscapesWhatATerminalWouldObey) {
+TEST(HgrosEcho, ShowsYamlAndEscapesWhatATerminalWouldObeyUntilCtrlC) {
   RobotForCommands robot;
   const auto publish = robot.session().Advertise<Log>("status", {.latched = 1});
   publish(Line("a\x1b[31m\n\xC2\x9B \"b\""));
@@ -45,19 +57,11 @@ TEST(HgrosEcho, ShowsYamlAndEscapesWhatATerminalWouldObey) {
   EXPECT_EQ(end.out, "level: ERROR\nmessage: \"a\\x1b[31m\\n\\x9b \\\"b\\\"\"\nname: \"\"\nfile: \"\"\nline: 7\n---\n");
   const CommandEnd json = robot.Run({"echo", "status", "--once", "--json"});
   EXPECT_THAT(json.out, HasSubstr(R"("message":"a\u001B[31m\n\u009B \"b\"")"));
-}
-
-TEST(HgrosEcho, WritesCsvWithAHeader) {
-  RobotForCommands robot;
-  const auto publish = robot.session().Advertise<Log>("status", {.latched = 2});
-  publish(Line("one, two"));
-  publish(Line("three"));
-  const std::vector<std::string> lines =
-      LinesOf(robot.Run({"echo", "status", "-n", "2", "--csv", "--field", "message", "--field", "line"}).out);
-  ASSERT_EQ(lines.size(), 3U);
-  EXPECT_EQ(lines[0], "publish_time_ns,message,line");
-  EXPECT_THAT(lines[1], testing::EndsWith(",\"one, two\",7"));
-  EXPECT_THAT(lines[2], testing::EndsWith(",three,7"));
+  CommandRun run({"echo", "status"}, robot.environment());
+  ASSERT_TRUE(run.Prints("---"));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  EXPECT_EQ(run.err(), "");
 }
 
 TEST(HgrosEcho, ShortensLongListsUnlessAllIsAskedFor) {
@@ -71,51 +75,22 @@ TEST(HgrosEcho, ShortensLongListsUnlessAllIsAskedFor) {
   EXPECT_THAT(robot.Run({"echo", "scan", "--once", "--json"}).out, HasSubstr("17,18,19]"));
 }
 
-TEST(HgrosEcho, ShowsOnlyWhatTheFilterAccepts) {
-  RobotForCommands robot;
-  const auto publish = robot.session().Advertise<Log>("status", {.latched = 3});
-  for (const char* text : {"a", "bb", "ccc"}) publish(Line(text));
-  const CommandEnd end = robot.Run(
-      {"echo", "status", "--once", "--field", "message", "--filter", "size(message) == 2 && level == 'ERROR'"});
-  EXPECT_EQ(end.out, "bb\n");
-}
-
-TEST(HgrosEcho, NamesTheNearestFieldAndChannel) {
-  RobotForCommands robot;
+TEST(HgrosEcho, NamesTheNearestFieldAndChannelAndSaysThatNoMessageCameInTime) {
+  RobotForCommands robot("talker");
   const auto publish = robot.session().Advertise<Log>("status", {.latched = 1});
+  const auto silent = robot.session().Advertise<Log>("silent");
   publish(Line("a"));
-  const CommandEnd field = robot.Run({"echo", "status", "--field", "mesage"});
-  EXPECT_EQ(field.status, 2);
-  EXPECT_THAT(field.err, HasSubstr("foxglove.Log has no field \"mesage\". Did you mean message?"));
-  const CommandEnd index = robot.Run({"echo", "statsu", "--field", "a[99999999999999999999]"});
-  EXPECT_EQ(index.status, 2);
-  EXPECT_THAT(index.err, HasSubstr("The index in \"a[99999999999999999999]\" is too large."));
-  const CommandEnd channel = robot.Run({"echo", "statsu", "--timeout", "0.1"});
-  EXPECT_EQ(channel.status, 3);
-  EXPECT_THAT(channel.err, HasSubstr("Nobody publishes on statsu yet. Did you mean status?"));
-}
-
-TEST(HgrosEcho, EndsSilentlyOnCtrlC) {
-  RobotForCommands robot;
-  const auto publish = robot.session().Advertise<Log>("status", {.latched = 1});
-  publish(Line("a"));
-  CommandRun run({"echo", "status"}, robot.environment());
-  ASSERT_TRUE(run.Prints("---"));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 128 + SIGINT);
-  EXPECT_EQ(run.err(), "");
-}
-
-TEST(HgrosEcho, TakesOptionsBeforeTheChannels) {
-  RobotForCommands robot;
-  const auto one = robot.session().Advertise<Log>("one", {.latched = 1});
-  const auto two = robot.session().Advertise<Log>("two", {.latched = 1});
-  one(Line("first"));
-  two(Line("second"));
-  const CommandEnd end = robot.Run({"echo", "--field", "message", "-n", "2", "one", "two"});
-  EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_THAT(end.out, HasSubstr("first\n"));
-  EXPECT_THAT(end.out, HasSubstr("second\n"));
+  EXPECT_THAT(robot.Run({"echo", "status", "--field", "mesage"}),
+              Ends(2, HasSubstr("foxglove.Log has no field \"mesage\". Did you mean message?")));
+  EXPECT_THAT(robot.Run({"echo", "statsu", "--field", "a[99999999999999999999]"}),
+              Ends(2, HasSubstr("The index in \"a[99999999999999999999]\" is too large.")));
+  EXPECT_THAT(robot.Run({"echo", "statsu", "--timeout", "0.1"}),
+              Ends(3, HasSubstr("Nobody publishes on statsu yet. Did you mean status?")));
+  EXPECT_THAT(robot.Run({"echo", "silent", "--timeout", "0.3"}),
+              Ends(3, AllOf(HasSubstr("No message of silent came within 0.3 s. talker:"),
+                            EndsWith(" publishes, but sent none.\n"))));
+  EXPECT_THAT(robot.Run({"echo", "nothing", "--timeout", "0.1"}).err,
+              EndsWith("hgros: No message of nothing came within 0.1 s.\n"));
 }
 
 TEST(HgrosEcho, EndsWhenItsReaderGoesOrStandsStill) {
@@ -139,17 +114,6 @@ TEST(HgrosEcho, EndsWhenItsReaderGoesOrStandsStill) {
   ASSERT_TRUE(test::Await([&] { return left.err().find("Nobody publishes") != std::string::npos; }));
   close(ends[0]);
   EXPECT_EQ(left.Wait(), 0);
-}
-
-TEST(HgrosEcho, SaysThatNoMessageCameInTime) {
-  RobotForCommands robot("talker");
-  const auto publish = robot.session().Advertise<foxglove::Log>("status");
-  const CommandEnd end = robot.Run({"echo", "status", "--timeout", "0.3"});
-  EXPECT_EQ(end.status, 3);
-  EXPECT_THAT(end.err, testing::HasSubstr("No message of status came within 0.3 s. talker:"));
-  EXPECT_THAT(end.err, testing::EndsWith(" publishes, but sent none.\n"));
-  EXPECT_THAT(robot.Run({"echo", "nothing", "--timeout", "0.1"}).err,
-              testing::EndsWith("hgros: No message of nothing came within 0.1 s.\n"));
 }
 
 }  // namespace

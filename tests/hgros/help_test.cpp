@@ -1,7 +1,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <foxglove/CompressedImage.pb.h>
+#include <foxglove/LaserScan.pb.h>
+#include <foxglove/PoseInFrame.pb.h>
+
 #include "hgros/command_run.hpp"
+#include "hgros/help_examples.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -9,15 +22,8 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-TEST(HgrosHelp, ListsAllCommandsAndEndsWithZero) {
-  const CommandEnd end = RunToEnd({"help"});
-  EXPECT_EQ(end.status, 0);
-  EXPECT_THAT(end.out, HasSubstr("  list "));
-  EXPECT_THAT(end.out, HasSubstr("  echo "));
-  EXPECT_EQ(end.err, "");
-}
-
-TEST(HgrosHelp, ExplainsACommandWithTwoExamples) {
+TEST(HgrosHelp, ExplainsAllCommandsAndEachWithItsExamples) {
+  EXPECT_THAT(RunToEnd({"help"}), Writes(testing::AllOf(HasSubstr("  list "), HasSubstr("  echo "))));
   for (const char* command : {"list", "info", "echo", "hz", "bw", "delay", "schema", "graph", "doctor", "pub", "call",
                               "help", "completion"}) {
     const CommandEnd end = RunToEnd({"help", command});
@@ -25,40 +31,69 @@ TEST(HgrosHelp, ExplainsACommandWithTwoExamples) {
     const std::string examples = end.out.substr(end.out.find("Examples:"));
     EXPECT_THAT(examples, HasSubstr("  hgros " + std::string(command))) << command;
     EXPECT_GE(LinesOf(examples).size(), 5U) << command;
+    for (const Example& example : FindCommand(command)->make()->Examples()) {
+      EXPECT_THAT(examples, HasSubstr("  " + example.line + "\n"));
+    }
     EXPECT_EQ(RunToEnd({command, "--help"}).out, end.out);
   }
-}
-
-TEST(HgrosHelp, NamesTheNearestCommandAndOption) {
-  const CommandEnd command = RunToEnd({"lst"});
-  EXPECT_EQ(command.status, 2);
-  EXPECT_EQ(command.err, "hgros: There is no command \"lst\". Did you mean list?\n");
-  const CommandEnd option = RunToEnd({"list", "--domian", "x"});
-  EXPECT_EQ(option.status, 2);
-  EXPECT_EQ(option.err, "hgros: --domian is not an option. Did you mean --domain?\n");
-}
-
-TEST(HgrosHelp, ExplainsACommandOfAFamily) {
-  const CommandEnd end = RunToEnd({"help", "param", "get"});
-  EXPECT_EQ(end.status, 0);
-  EXPECT_THAT(end.out, HasSubstr("Usage: hgros param get [SESSION] [PATH] [OPTIONS]\n"));
-  EXPECT_EQ(RunToEnd({"param", "get", "--help"}).out, end.out);
+  const CommandEnd member = RunToEnd({"help", "param", "get"});
+  EXPECT_EQ(member.status, 0);
+  EXPECT_THAT(member.out, HasSubstr("Usage: hgros param get [SESSION] [PATH] [OPTIONS]\n"));
+  EXPECT_EQ(RunToEnd({"param", "get", "--help"}).out, member.out);
   EXPECT_EQ(RunToEnd({"param", "--help"}).status, 0);
-  EXPECT_EQ(RunToEnd({"help", "list", "all"}).err, "hgros: \"all\" is one argument too many.\n");
 }
 
-TEST(HgrosHelp, TakesListsAndNegativeNumbersAsValues) {
+TEST(HgrosHelp, RefusesWrongNamesAndValues) {
+  EXPECT_THAT(RunToEnd({"lst"}), Ends(2, "hgros: There is no command \"lst\". Did you mean list?\n"));
+  EXPECT_THAT(RunToEnd({"list", "--domian", "x"}),
+              Ends(2, "hgros: --domian is not an option. Did you mean --domain?\n"));
+  EXPECT_EQ(RunToEnd({"help", "list", "all"}).err, "hgros: \"all\" is one argument too many.\n");
   EXPECT_THAT(RunToEnd({"list", "[a,b]"}).err, HasSubstr("WHAT: \"[a,b]\" is not one of:"));
   EXPECT_THAT(RunToEnd({"echo", "scan", "--rate", "-1.5"}).err, HasSubstr("\"-1.5\" is not a number above zero."));
   EXPECT_EQ(RunToEnd({"list", "nodes", "-1"}).err, "hgros: -1 is not an option.\n");
-}
-
-TEST(HgrosHelp, RefusesValuesThatAreNoNumbers) {
   EXPECT_THAT(RunToEnd({"echo", "scan", "-n", "0"}).err, HasSubstr("\"0\" is not a whole number above zero."));
   EXPECT_THAT(RunToEnd({"echo", "scan", "--rate", "fast"}).err, HasSubstr("\"fast\" is not a number above zero."));
-  const CommandEnd none = RunToEnd({"echo"});
-  EXPECT_EQ(none.status, 2);
-  EXPECT_THAT(none.err, StartsWith("hgros: CHANNEL is missing."));
+  EXPECT_THAT(RunToEnd({"echo"}), Ends(2, StartsWith("hgros: CHANNEL is missing.")));
+}
+
+TEST(HgrosVersion, IsThatOfTheProjectAndStandsAlone) {
+  EXPECT_THAT(RunToEnd({"--version"}).out, testing::MatchesRegex("hgros [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  const CommandEnd end = RunToEnd({"--version", "extra"});
+  EXPECT_THAT(end, Ends(2, HasSubstr("--version takes nothing else, but there is \"extra\".")));
+  EXPECT_EQ(end.out, "");
+}
+
+TEST(HgrosExamples, RunBesideARobot) {
+  RobotForCommands robot("talker");
+  const auto scan = robot.session().Advertise<foxglove::LaserScan>("scan");
+  const auto odometry = robot.session().Advertise<foxglove::PoseInFrame>("odometry");
+  const auto camera = robot.session().Advertise<foxglove::CompressedImage>("camera");
+  const Subscription heard =
+      robot.session().FromAny<foxglove::LaserScan>("scan", Invoke::kSerial, [](const foxglove::LaserScan&) {});
+  const NodeTimer timer = robot.session().CreateTimer("all", std::chrono::milliseconds(5), [&](const Tick&) {
+    scan(std::make_unique<foxglove::LaserScan>());
+    odometry(std::make_unique<foxglove::PoseInFrame>());
+    camera(std::make_unique<foxglove::CompressedImage>());
+  });
+  robot.AwaitAnnounced();
+  std::map<std::string, std::unique_ptr<CommandRun>> runs;  // By line; all at the same time.
+  for (const char* command : {"bw", "delay", "echo", "help", "hz", "info", "list"}) {
+    for (const std::vector<std::string>& words : ExamplesOf(command)) {
+      EXPECT_EQ(words.front(), command);
+      runs[testing::PrintToString(words)] = std::make_unique<CommandRun>(words, robot.environment());
+    }
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(2500);
+  for (const auto& [line, run] : runs) {
+    EXPECT_TRUE(test::Await([&run = *run] { return !run.out().empty(); })) << line << run->err();
+    const int status = run->Wait(std::max(end - std::chrono::steady_clock::now(), std::chrono::nanoseconds(1)));
+    if (status == -1) {  // Such as hz, which goes on until Ctrl-C.
+      run->Signal(SIGINT);
+      EXPECT_THAT(run->Wait(), testing::AnyOf(0, 128 + SIGINT)) << line << " may just have ended by itself.";
+    } else {
+      EXPECT_EQ(status, 0) << line << run->err();
+    }
+  }
 }
 
 }  // namespace

@@ -3,22 +3,24 @@
 #include <rapidjson/document.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
 #include "hgros/help_examples.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 namespace {
 
 using foxglove::Log;
+using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr auto kWork = std::chrono::milliseconds(8);
@@ -47,7 +49,7 @@ CommandEnd RunUntil(const RobotForCommands& robot, const std::vector<std::string
 // A timer publishes scan; the session "mapper" makes map of it, which this session plans with.
 struct MappingRobot {
   RobotForCommands robot{"lidar"};
-  RobotForCommands mapper{"mapper", robot.environment().at("HGROS_DOMAIN")};
+  RobotForCommands mapper{"mapper", robot.domain()};
   Publisher<Log> scan = robot.session().Advertise<Log>("scan");
   Publisher<Log> map = mapper.session().Advertise<Log>("map");
   Subscription on_scan = mapper.session().FromAny<Log>("scan", Invoke::kSerial,
@@ -68,7 +70,7 @@ struct MappingRobot {
   }
 };
 
-TEST(HgrosPath, ShowsEachHopAndMarksTheOneThatTakesLongest) {
+TEST(HgrosPath, ShowsEachHopAndMarksTheOneThatTakesLongestOrSaysWhyThereIsNone) {
   MappingRobot mapping;
   const CommandEnd table =
       RunUntil(mapping.robot, {"path", "scan", "map", "--seconds", "1"}, [](const CommandEnd& one) {
@@ -109,14 +111,19 @@ TEST(HgrosPath, ShowsEachHopAndMarksTheOneThatTakesLongest) {
     EXPECT_GT(hop["path_p50_ns"].GetInt64(), hop["run_p50_ns"].GetInt64());
   }
   EXPECT_NEAR(share, 1, 0.01);
+
+  EXPECT_THAT(
+      RunUntil(mapping.robot, {"path", "mpa", "scan", "--seconds", "0.3"}, InErr(" began on timer/scan.")),
+      Ends(1, AllOf(HasSubstr("Did you mean map?"), HasSubstr("No message on scan came from one on mpa in 0.3 s."))));
+  EXPECT_THAT(mapping.robot.Run({"path", "scan", "pose", "--seconds", "0.1"}),
+              Ends(1, HasSubstr("No node has handled a message on pose in 0.1 s.")));
 }
 
 // The mapper asks a service for each scan, and publishes the map when it gets the reply.
 TEST(HgrosPath, PassesThroughAService) {
   RobotForCommands lidar{"lidar"};
-  const std::string domain = lidar.environment().at("HGROS_DOMAIN");
-  RobotForCommands mapper{"mapper", domain};
-  RobotForCommands locator{"locator", domain};
+  RobotForCommands mapper{"mapper", lidar.domain()};
+  RobotForCommands locator{"locator", lidar.domain()};
   const Publisher<Log> scan = lidar.session().Advertise<Log>("scan");
   const Publisher<Log> map = mapper.session().Advertise<Log>("map");
   const Service service = locator.session().Serve<Log, Log>("locate", [](const Log& log) {
@@ -161,31 +168,16 @@ TEST(HgrosPath, PassesThroughAService) {
       << end.out;
 }
 
-TEST(HgrosPath, SaysWhyThereIsNone) {
+TEST(HgrosTrace, WritesSpansAndArrowsThatFitTogetherAsInItsExamples) {
   MappingRobot mapping;
-  const CommandEnd none =
-      RunUntil(mapping.robot, {"path", "mpa", "scan", "--seconds", "0.3"}, InErr(" began on timer/scan."));
-  EXPECT_EQ(none.status, 1);
-  EXPECT_THAT(none.err, HasSubstr("Did you mean map?"));
-  EXPECT_THAT(none.err, HasSubstr("No message on scan came from one on mpa in 0.3 s."));
-  EXPECT_THAT(none.err, HasSubstr(" began on timer/scan."));
-  const CommandEnd silent = mapping.robot.Run({"path", "scan", "pose", "--seconds", "0.1"});
-  EXPECT_EQ(silent.status, 1);
-  EXPECT_THAT(silent.err, HasSubstr("No node has handled a message on pose in 0.1 s."));
-}
-
-TEST(HgrosTrace, WritesSpansAndArrowsThatFitTogether) {
-  MappingRobot mapping;
-  const auto file = std::filesystem::temp_directory_path() / ("hgros_trace_" + SessionId::Random().ToString());
+  const test::ScratchFolder folder;
+  const std::string file = folder / "trace.json";
   const CommandEnd end =
-      RunUntil(mapping.robot, {"trace", "--seconds", "1", "-o", file.string()}, InOut(" of 2 sessions are in "));
+      RunUntil(mapping.robot, {"trace", "--seconds", "1", "-o", file}, InOut(" of 2 sessions are in "));
   EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_THAT(end.out, HasSubstr(" of 2 sessions are in "));
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  std::filesystem::remove(file);
+  const std::string text = folder.Read("trace.json");
   rapidjson::Document trace;
-  ASSERT_FALSE(trace.Parse(text.str().c_str()).HasParseError()) << text.str();
+  ASSERT_FALSE(trace.Parse(text.c_str()).HasParseError()) << text;
   std::map<std::string, int> phases;
   std::map<std::string, double> begins;
   std::map<std::string, int> callbacks;
@@ -212,9 +204,22 @@ TEST(HgrosTrace, WritesSpansAndArrowsThatFitTogether) {
   EXPECT_GT(phases["s"], 0);
   EXPECT_EQ(phases["M"], 2);
   EXPECT_EQ(trace["otherData"]["clocks"].Size(), 2U);
+
+  EXPECT_THAT(
+      RunUntil(mapping.robot, {"trace", "--seconds", "0.1", "-o", "/nowhere/run.json"}, InErr("cannot be written")),
+      Ends(1, HasSubstr("The file /nowhere/run.json cannot be written")));
+  for (const char* command : {"path", "trace"}) {
+    for (std::vector<std::string> words : ExamplesOf(command)) {
+      std::ranges::replace(words, std::string("run.json"), file);
+      CommandEnd example;
+      (void)test::Await([&] { return (example = mapping.robot.Run(words)).status == 0; });
+      EXPECT_EQ(example.status, 0) << example.err;
+      EXPECT_FALSE(example.out.empty());
+    }
+  }
 }
 
-TEST(HgrosTrace, FailsInASentenceWhenNothingRunsOrTheFileCannotBeWritten) {
+TEST(HgrosTrace, FailsInASentenceWhenNothingRuns) {
   RobotForCommands robot("still");
   const auto idle = robot.session().Advertise<Log>("idle");
   CommandEnd nothing;
@@ -222,31 +227,7 @@ TEST(HgrosTrace, FailsInASentenceWhenNothingRunsOrTheFileCannotBeWritten) {
     nothing = robot.Run(Patiently({"trace", "--seconds", "0.1"}));
     return nothing.err.find("does not answer") == std::string::npos;
   });
-  EXPECT_EQ(nothing.status, 1);
-  EXPECT_EQ(nothing.err, "hgros: No node did anything in 0.1 s.\n");
-  MappingRobot mapping;
-  const CommandEnd unwritable =
-      RunUntil(mapping.robot, {"trace", "--seconds", "0.1", "-o", "/nowhere/run.json"}, InErr("cannot be written"));
-  EXPECT_EQ(unwritable.status, 1);
-  EXPECT_THAT(unwritable.err, HasSubstr("The file /nowhere/run.json cannot be written"));
-}
-
-TEST(HgrosPath, ExamplesRun) {
-  MappingRobot mapping;
-  for (const char* command : {"path", "trace"}) {
-    const auto examples = ExamplesOf(command);
-    EXPECT_GE(examples.size(), 2U);
-    for (std::vector<std::string> words : examples) {
-      const auto output = std::ranges::find(words, "run.json");
-      const std::string file = (std::filesystem::temp_directory_path() / SessionId::Random().ToString()).string();
-      if (output != words.end()) *output = file;
-      CommandEnd end;
-      (void)test::Await([&] { return (end = mapping.robot.Run(words)).status == 0; });
-      EXPECT_EQ(end.status, 0) << end.err;
-      EXPECT_FALSE(end.out.empty());
-      std::filesystem::remove(file);
-    }
-  }
+  EXPECT_THAT(nothing, Ends(1, "hgros: No node did anything in 0.1 s.\n"));
 }
 
 }  // namespace

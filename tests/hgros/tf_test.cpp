@@ -2,10 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -15,19 +12,15 @@
 #include "hgros/help_examples.hpp"
 #include "hgros/session/clock_publisher.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
 RigidTransform Shift(double x) { return {RigidTransform::Rotation::Identity(), Eigen::Vector3d(x, 0, 0)}; }
-
-std::function<bool(const CommandEnd&)> Says(const std::string& part) {
-  return [part](const CommandEnd& end) { return end.err.find(part) != std::string::npos; };
-}
 
 // A robot with the tree map, base, laser, where base turns and moves, and world, dock.
 class HgrosTf : public testing::Test {
@@ -61,9 +54,10 @@ class HgrosTf : public testing::Test {
   std::unique_ptr<RobotForCommands> robot_ = std::make_unique<RobotForCommands>("robot");
   std::unique_ptr<Transforms> transforms_ = std::make_unique<Transforms>(robot_->session());
   std::optional<NodeTimer> timer_;
+  const test::ScratchFolder folder_;
 };
 
-TEST_F(HgrosTf, ShowsTheTreeWithRatesAndPublishers) {
+TEST_F(HgrosTf, ShowsAndDrawsTheTreeWithRatesAgesAndPublishers) {
   // A rate needs two transforms.
   const auto shows_rate = [](const CommandEnd& end) {
     return LinesOf(end.out).size() == 6 && end.out.find(" Hz ") != std::string::npos;
@@ -81,21 +75,28 @@ TEST_F(HgrosTf, ShowsTheTreeWithRatesAndPublishers) {
   ASSERT_EQ(json.size(), 5U);
   EXPECT_EQ(json[2],
             R"({"frame":"laser","parent":"base","kind":"static","rate_hz":null,"age_ns":null,"publisher":"robot"})");
-}
 
-TEST_F(HgrosTf, AgesAreTimeOfTheClockThatTheRobotPublishes) {
-  const auto clock = SimulatedClock::Paused(Time{5'000'000'000});
+  const std::string file = folder_ / "frames.svg";
+  std::string svg;
+  const CommandEnd drawn = RunUntil({"tf", "svg", "-o", file, "--timeout", "1"}, [&](const CommandEnd& /*end*/) {
+    svg = folder_.Read("frames.svg");
+    return svg.find(">laser<") != std::string::npos;
+  });
+  EXPECT_EQ(drawn.status, 0) << drawn.err;
+  EXPECT_THAT(svg, testing::StartsWith("<svg "));
+
+  const auto clock = SimulatedClock::Paused(Time{5'000'000'000});  // Ages are time of the clock that a robot publishes.
   const ClockPublisher publishes(robot_->session(), clock);
   const NodeTimer moves = robot_->session().CreateTimer("gripper", std::chrono::milliseconds(20), [this](const Tick&) {
     transforms_->ToTF(Time{3'000'000'000}, "dock", "gripper", Shift(1));
   });
-  const CommandEnd end = RunUntil({"tf", "tree", "--json"}, [](const CommandEnd& one) {
+  const CommandEnd ages = RunUntil({"tf", "tree", "--json"}, [](const CommandEnd& one) {
     return one.out.find(R"("frame":"gripper")") != std::string::npos;
   });
-  EXPECT_THAT(end.out, HasSubstr(R"("age_ns":2000000000)"));
+  EXPECT_THAT(ages.out, HasSubstr(R"("age_ns":2000000000)"));
 }
 
-TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnother) {
+TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
   const CommandEnd end = Run(Patiently({"tf", "echo", "map", "laser", "--once"}));
   EXPECT_EQ(end.status, 0) << end.err;
   const std::vector<std::string> lines = LinesOf(end.out);
@@ -109,24 +110,29 @@ TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnother) {
   EXPECT_EQ(json[1],
             R"({"parent":"base","child":"laser","time_ns":null,"age_ns":null,"position":{"x":0.5,"y":0,"z":0},)"
             R"("quaternion":{"x":0,"y":0,"z":0,"w":1},"rpy_degrees":{"roll":0,"pitch":0,"yaw":0}})");
-}
 
-TEST_F(HgrosTf, EchoesThePoseAtATime) {
   const CommandEnd now = Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "40"});
   EXPECT_EQ(now.status, 0) << now.err;
   EXPECT_THAT(now.out, HasSubstr("yaw: 90.00"));
-  const CommandEnd past =
-      RunUntil({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, Says("which is too old"));
-  EXPECT_EQ(past.status, 1);
+  const auto fails = [this](const std::vector<std::string>& words, const std::string& why) {
+    const CommandEnd one =
+        RunUntil(words, [&](const CommandEnd& all) { return all.err.find(why) != std::string::npos; });
+    EXPECT_EQ(one.status, 1);
+    return one.err;
+  };
+  (void)fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, "which is too old");
   EXPECT_EQ(Run({"tf", "echo", "map", "base", "--at", "noon"}).status, 2);
-}
+  EXPECT_EQ(fails({"tf", "echo", "map", "lasr"}, "the nearest name is"),
+            "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
+  (void)fails({"tf", "echo", "map", "dock"}, "No edges lead from \"dock\" to \"map\"");
 
-TEST_F(HgrosTf, SaysWhyThereIsNoTransform) {
-  const CommandEnd unknown = RunUntil({"tf", "echo", "map", "lasr"}, Says("the nearest name is"));
-  EXPECT_EQ(unknown.status, 1);
-  EXPECT_EQ(unknown.err, "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
-  const CommandEnd apart = RunUntil({"tf", "echo", "map", "dock"}, Says("No edges lead from \"dock\" to \"map\""));
-  EXPECT_EQ(apart.status, 1);
+  for (const char* command : {"tf tree", "tf echo"}) {
+    for (std::vector<std::string> example : ExamplesOf(command)) {
+      if (example[1] == "echo") example.emplace_back("--once");
+      if (example[1] == "tree") example.insert(example.end(), {"--timeout", "0.5"});
+      (void)RunUntil(example, [](const CommandEnd& one) { return one.status == 0 && !one.out.empty(); });
+    }
+  }
 }
 
 TEST_F(HgrosTf, WatchSaysOnceWhatIsLateAndWhatHasEnded) {
@@ -149,40 +155,13 @@ TEST_F(HgrosTf, WatchSaysOnceWhatIsLateAndWhatHasEnded) {
   EXPECT_EQ(watch.out().find("world"), std::string::npos);
 }
 
-TEST_F(HgrosTf, DrawsAnImage) {
-  const std::string file = testing::TempDir() + "hgros_tf_" + std::to_string(RandomId()) + ".svg";
-  std::string svg;
-  const CommandEnd end = RunUntil({"tf", "svg", "-o", file, "--timeout", "1"}, [&](const CommandEnd& /*end*/) {
-    std::ifstream in(file);
-    svg.assign(std::istreambuf_iterator<char>(in), {});
-    return svg.find(">laser<") != std::string::npos;
-  });
-  EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_THAT(svg, testing::StartsWith("<svg "));
-  std::filesystem::remove(file);
-}
-
-TEST_F(HgrosTf, RunsItsExamples) {
-  for (const char* command : {"tf tree", "tf echo"}) {
-    const auto examples = ExamplesOf(command);
-    EXPECT_GE(examples.size(), 2U) << command;
-    for (std::vector<std::string> example : examples) {
-      if (example[1] == "echo") example.emplace_back("--once");
-      if (example[1] == "tree") example.insert(example.end(), {"--timeout", "0.5"});
-      (void)RunUntil(example, [](const CommandEnd& end) { return end.status == 0 && !end.out.empty(); });
-    }
-  }
-}
-
 TEST(HgrosTfAlone, EndsAtOnceWhenNothingSendsTransforms) {
   const RobotForCommands robot;
   const CommandEnd tree = robot.Run({"tf", "tree"});
-  EXPECT_EQ(tree.status, 0);
+  EXPECT_THAT(tree, Ends(0, "hgros: No session sends transforms. Sessions of other hosts are met with --connect.\n"));
   EXPECT_EQ(tree.out, "");
-  EXPECT_EQ(tree.err, "hgros: No session sends transforms. Sessions of other hosts are met with --connect.\n");
-  const CommandEnd echo = robot.Run({"tf", "echo", "a", "b", "--timeout", "0.1"});
-  EXPECT_EQ(echo.status, 3);
-  EXPECT_EQ(echo.err, "hgros: No session sends transforms.\n");
+  EXPECT_THAT(robot.Run({"tf", "echo", "a", "b", "--timeout", "0.1"}),
+              Ends(3, "hgros: No session sends transforms.\n"));
   EXPECT_EQ(robot.Run({"tf", "svg"}).status, 1);
   EXPECT_EQ(robot.Run({"tf", "watch", "--timeout", "0.1"}).status, 3);
 }

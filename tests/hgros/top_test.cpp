@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <csignal>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,31 +18,25 @@ namespace hgros::cli {
 namespace {
 
 using foxglove::Log;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
 // A robot that publishes to a node of its own.
-class BusyRobot {
- public:
-  BusyRobot() : publish_(robot_.session().Advertise<Log>("status")) {
-    heard_ = robot_.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {}, {.name = "hearing"});
-    timer_ = robot_.session().CreateTimer("tick", std::chrono::milliseconds(20),
-                                          [this](const Tick&) { publish_(std::make_unique<Log>()); });
-    robot_.AwaitAnnounced();
-  }
-  [[nodiscard]] const RobotForCommands& robot() const { return robot_; }
-  [[nodiscard]] std::map<std::string, std::string> environment() const { return robot_.environment(); }
+struct BusyRobot {
+  BusyRobot() { robot.AwaitAnnounced(); }
 
- private:
-  RobotForCommands robot_{"patrol"};
-  Publisher<Log> publish_;
-  Subscription heard_;
-  NodeTimer timer_;
+  RobotForCommands robot{"patrol"};
+  Publisher<Log> publish = robot.session().Advertise<Log>("status");
+  Subscription heard = robot.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {}, {.name = "hearing"});
+  NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(20),
+                                                [this](const Tick&) { publish(std::make_unique<Log>()); });
+  std::map<std::string, std::string> environment = robot.environment();
 };
 
 TEST(HgrosTop, ShowsSessionsNodesAndChannelsAndEndsWithQ) {
   const BusyRobot robot;
-  TerminalRun top({"top"}, robot.environment());
+  TerminalRun top({"top"}, robot.environment);
   EXPECT_TRUE(top.Shows("patrol:" + std::to_string(getpid())));
   EXPECT_TRUE(top.Shows(" Hz")) << top.written();
   EXPECT_FALSE(top.Restored());
@@ -64,9 +60,9 @@ TEST(HgrosTop, ShowsSessionsNodesAndChannelsAndEndsWithQ) {
   EXPECT_EQ(top.screen().unknown(), "");
 }
 
-TEST(HgrosTop, FollowsTheSizeOfTheTerminalDownToNothing) {
+TEST(HgrosTop, FollowsTheSizeOfTheTerminalDownToNothingAndShowsNoColorsIfTheyAreNotWanted) {
   const BusyRobot robot;
-  TerminalRun top({"top", "channels"}, robot.environment());
+  TerminalRun top({"top", "channels"}, robot.environment);
   EXPECT_TRUE(top.Shows("status"));
   top.Resize(10, 3);
   EXPECT_TRUE(top.ShowsNot("Channels"));
@@ -78,35 +74,40 @@ TEST(HgrosTop, FollowsTheSizeOfTheTerminalDownToNothing) {
   EXPECT_TRUE(top.Shows("status"));
   top.Type("q");
   EXPECT_EQ(top.Wait(), 0);
+
+  auto environment = robot.environment;
+  environment["NO_COLOR"] = "1";
+  TerminalRun plain({"top", "nodes"}, environment);
+  EXPECT_TRUE(plain.Shows("hearing"));
+  plain.Type("/x");
+  EXPECT_TRUE(plain.Shows("Only rows with: x"));
+  plain.Type("\r");
+  EXPECT_TRUE(plain.Shows("only with \"x\""));
+  EXPECT_FALSE(plain.screen().colored());
 }
 
-TEST(HgrosTop, LeavesTheTerminalAsItWasWhenASignalEndsIt) {
+TEST(HgrosTop, LeavesTheTerminalAsItWasWhenASignalEndsOrSuspendsIt) {
   const BusyRobot robot;
   std::vector<int> signals{SIGINT, SIGTERM, SIGHUP, SIGABRT, SIGQUIT, SIGUSR1};
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // They report these, and end otherwise.
   signals.insert(signals.end(), {SIGSEGV, SIGBUS, SIGFPE});
 #endif
-  for (const int number : signals) {
-    TerminalRun top({"top"}, robot.environment());
-    ASSERT_TRUE(top.Shows("patrol"));
-    top.Signal(number);
-    EXPECT_EQ(top.Wait(), 128 + number);
-    EXPECT_TRUE(test::Await([&] { return top.Restored(); })) << number << top.written();
+  std::vector<std::unique_ptr<TerminalRun>> runs;  // The last one ends with Ctrl-C.
+  for (std::size_t i = 0; i <= signals.size(); ++i) {
+    runs.push_back(std::make_unique<TerminalRun>(std::vector<std::string>{"top"}, robot.environment));
   }
-}
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    ASSERT_TRUE(runs[i]->Shows("patrol"));
+    if (i < signals.size()) {
+      runs[i]->Signal(signals[i]);
+    } else {
+      runs[i]->Type("\x03");
+    }
+    EXPECT_EQ(runs[i]->Wait(), 128 + (i < signals.size() ? signals[i] : SIGINT));
+    EXPECT_TRUE(test::Await([&] { return runs[i]->Restored(); })) << i << runs[i]->written();
+  }
 
-TEST(HgrosTop, LeavesTheTerminalAsItWasAfterCtrlC) {
-  const BusyRobot robot;
-  TerminalRun top({"top"}, robot.environment());
-  ASSERT_TRUE(top.Shows("patrol"));
-  top.Type("\x03");
-  EXPECT_EQ(top.Wait(), 128 + SIGINT);
-  EXPECT_TRUE(test::Await([&] { return top.Restored(); })) << top.written();
-}
-
-TEST(HgrosTop, LeavesTheTerminalWhileItIsSuspended) {
-  const BusyRobot robot;
-  TerminalRun top({"top"}, robot.environment());
+  TerminalRun top({"top"}, robot.environment);
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(top.Shows("patrol"));
     top.Type("\x1a");
@@ -121,25 +122,11 @@ TEST(HgrosTop, LeavesTheTerminalWhileItIsSuspended) {
   EXPECT_TRUE(test::Await([&] { return top.Restored(); })) << top.written();
 }
 
-TEST(HgrosTop, ShowsNoColorsIfTheyAreNotWanted) {
-  const BusyRobot robot;
-  auto environment = robot.environment();
-  environment["NO_COLOR"] = "1";
-  TerminalRun top({"top", "nodes"}, environment);
-  EXPECT_TRUE(top.Shows("hearing"));
-  top.Type("/x");
-  EXPECT_TRUE(top.Shows("Only rows with: x"));
-  top.Type("\r");
-  EXPECT_TRUE(top.Shows("only with \"x\""));
-  EXPECT_FALSE(top.screen().colored());
-}
-
 TEST(HgrosTop, SaysWhyThereIsNoFullScreen) {
-  const std::map<std::string, std::string> nobody{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
+  const std::map<std::string, std::string> nobody = OwnDomain();
   const CommandEnd piped = RunToEnd({"top"}, nobody);
-  EXPECT_EQ(piped.status, 2);
+  EXPECT_THAT(piped, Ends(2, HasSubstr("needs a terminal. `hgros top --once` writes a table")));
   EXPECT_EQ(piped.out, "");
-  EXPECT_THAT(piped.err, HasSubstr("needs a terminal. `hgros top --once` writes a table"));
   for (const auto& [kind, why] : {std::pair("dumb", "TERM=dumb"), std::pair("", "TERM is not set"),
                                   std::pair("nosuchterminal", "no description of the terminal \"nosuchterminal\"")}) {
     auto environment = nobody;
@@ -151,26 +138,20 @@ TEST(HgrosTop, SaysWhyThereIsNoFullScreen) {
   }
 }
 
-TEST(HgrosTop, WritesTablesAndJsonForPrograms) {
-  const BusyRobot robot;
-  const CommandEnd table = robot.robot().Run(Patiently({"top", "nodes", "--once"}));
+TEST(HgrosTop, WritesTablesAndJsonForProgramsAndItsExamplesWork) {
+  const BusyRobot busy;
+  const CommandEnd table = busy.robot.Run(Patiently({"top", "nodes", "--once"}));
   EXPECT_EQ(table.status, 0) << table.err;
-  EXPECT_THAT(table.out, HasSubstr("NODE     CHANNEL     SESSION"));
-  EXPECT_THAT(table.out, HasSubstr("hearing  status      patrol:"));
-  EXPECT_THAT(table.out, Not(HasSubstr("\x1b")));
-  const CommandEnd json = robot.robot().Run(Patiently({"top", "--json", "-n", "1"}));
+  EXPECT_THAT(table.out, AllOf(HasSubstr("NODE     CHANNEL     SESSION"), HasSubstr("hearing  status      patrol:"),
+                               Not(HasSubstr("\x1b"))));
+  const CommandEnd json = busy.robot.Run(Patiently({"top", "--json", "-n", "1"}));
   EXPECT_EQ(LinesOf(json.out).size(), 1U);
-  EXPECT_THAT(json.out, testing::StartsWith("{\"process\":\"patrol\",\"pid\":"));
-  EXPECT_THAT(json.out, HasSubstr("\"cpu_percent\":"));
-  EXPECT_EQ(robot.robot().Run(Patiently({"top", "-n", "1"})).status, 0);
-  EXPECT_THAT(robot.robot().Run({"top", "--once", "-n", "2"}).err, HasSubstr("It contradicts --once."));
-  EXPECT_EQ(robot.robot().Run({"top", "--batch", "--timeout", "0.5"}).status, 3);
-}
-
-TEST(HgrosTop, ItsExamplesWork) {
-  const BusyRobot robot;
+  EXPECT_THAT(json.out, AllOf(testing::StartsWith("{\"process\":\"patrol\",\"pid\":"), HasSubstr("\"cpu_percent\":")));
+  EXPECT_EQ(busy.robot.Run(Patiently({"top", "-n", "1"})).status, 0);
+  EXPECT_THAT(busy.robot.Run({"top", "--once", "-n", "2"}).err, HasSubstr("It contradicts --once."));
+  EXPECT_EQ(busy.robot.Run({"top", "--batch", "--timeout", "0.5"}).status, 3);
   for (const std::vector<std::string>& words : ExamplesOf("top")) {
-    TerminalRun top(Patiently(words), robot.environment());
+    const TerminalRun top(Patiently(words), busy.environment);
     EXPECT_TRUE(top.Shows(words.back() == "2" ? "status" : "patrol")) << testing::PrintToString(words);
     if (words.size() == 1) top.Type("q");
     EXPECT_EQ(top.Wait(), 0) << testing::PrintToString(words);

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
@@ -23,6 +22,7 @@
 #include "hgros/config/config.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "hgros/yaml/document.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -150,8 +150,7 @@ TEST_F(ConfigSchema, AcceptsEveryDocumentedExampleAsTheReaderDoes) {
   for (const char* name :
        {"everything", "paper_close_channels", "paper_data_graph", "paper_network_setting", "paper_visualization"}) {
     const auto path = RepositoryFolder() / "tests/config/yaml" / (std::string(name) + ".yaml");
-    std::ifstream in(path);
-    files.push_back({path.string(), {}, std::string(std::istreambuf_iterator<char>(in), {})});
+    files.push_back({path.string(), {}, ContentsOf(path)});
   }
   for (const char* yaml :
        {"", "network:", "network: {publisher: [], subscribers: , security: }", "channels: {1: , true: {}}",
@@ -260,17 +259,14 @@ TEST_F(ConfigSchema, RefusesWhatTheReaderRefuses) {
 TEST_F(ConfigSchema, OfRobotFilesSaysWhatTheirReaderSays) {
   const std::string schema = RobotSchema();
   const auto faults = [](const std::string& yaml, const std::string& where = {}) {
-    std::string file = where;
-    if (!file.starts_with("/")) {
-      file = testing::TempDir() + "robot_schema_test.yaml";
-      std::ofstream(file) << yaml;
-    }
+    const test::ScratchFolder folder;
+    const std::string file = where.starts_with("/") ? where : folder.Write("robot.yaml", yaml).string();
     const auto nothing = [](const std::string&) { return std::optional<std::string>(); };
     std::string all;
     for (const ConfigError& fault : RobotFile::Check(file, {nothing}).faults) all += fault.what() + std::string("\n");
     return all;
   };
-  std::vector<DocumentedFile> files = DocumentedRobotFiles();
+  std::vector<DocumentedFile> files = DocumentedFiles(true);
   EXPECT_GE(files.size(), 1U);
   for (const char* yaml :
        {"components: {a: {type: x}}\nprocesses: {p: , q: {components: [a], env: {A: 1}, cpus: [], nice: -20}}",

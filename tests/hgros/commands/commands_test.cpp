@@ -9,6 +9,7 @@
 
 #include "arguments/help.hpp"
 #include "arguments/manual.hpp"
+#include "hgros/help_examples.hpp"
 #include "terminal/console.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -16,30 +17,6 @@ namespace hgros::cli {
 namespace {
 
 using testing::HasSubstr;
-
-// The words of a line up to a pipe or a file, with simple quotes.
-std::vector<std::string> WordsOf(const std::string& line) {
-  std::vector<std::string> words;
-  std::string word;
-  bool there = false;
-  char quote = 0;
-  for (const char c : line + " ") {
-    if (quote != 0 ? c == quote : c == '\'' || c == '"') {
-      quote = quote != 0 ? '\0' : c;
-      there = true;
-    } else if (quote == 0 && c == ' ') {
-      if (there) words.push_back(word);
-      word.clear();
-      there = false;
-    } else if (quote == 0 && (c == '|' || c == '>')) {
-      break;
-    } else {
-      word += c;
-      there = true;
-    }
-  }
-  return words;
-}
 
 TEST(Commands, HaveADescriptionAndTwoExamplesThatAreRight) {
   for (const CommandEntry& entry : Commands()) {
@@ -50,7 +27,7 @@ TEST(Commands, HaveADescriptionAndTwoExamplesThatAreRight) {
     EXPECT_GE(examples.size(), 2U) << entry.name;
     for (const Example& example : examples) {
       EXPECT_TRUE(example.text.ends_with('.')) << example.text;
-      std::vector<std::string> words = WordsOf(example.line);
+      std::vector<std::string> words = ShellWords(example.line);
       ASSERT_EQ(words.front(), "hgros") << example.line;
       words.erase(words.begin());
       EXPECT_EQ(TakeCommand(words).name, entry.name) << example.line;

@@ -1,6 +1,4 @@
 // Every command in situations that no command is made for.
-#include "hgros/every/every_command.hpp"
-
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.pb.h>
 #include <gtest/gtest.h>
@@ -8,15 +6,22 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <regex>
+#include <set>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <foxglove/Log.pb.h>
 
+#include "commands/commands.hpp"
 #include "hgros/command_run.hpp"
 #include "hgros/every/everything.hpp"
+#include "hgros/help_examples.hpp"
 #include "hgros/run_time_types.hpp"
 #include "support/path.hpp"
 #include "terminal/visible_text.hpp"
@@ -25,11 +30,111 @@ namespace hgros::cli {
 namespace {
 
 using foxglove::Log;
+using Words = std::vector<std::string>;
+
+// At least one run of each command, for a robot with Everything: channel "status", service "ask", parameters of "robot"
+// with "speed", frames "map" and "base".
+constexpr const char* kRuns =
+    "list; list sessions; list nodes; list services; list params; list frames; list --all; info status; "
+    "info robot; info hearing; info ask; echo status --once; echo status --once --csv; hz status --once; "
+    "hz status --once --receive; bw status --once; bw status --once --receive; delay status --once; "
+    "delay status --once --receive; schema foxglove.Log; schema status; graph; graph --svg; graph --dot; "
+    "graph --around hearing --depth 3; top --once; top nodes --once; top channels --once; tf tree; "
+    "tf echo map base --once; tf watch; tf svg; doctor; doctor --verbose; path timer/tick status; "
+    "trace --seconds 1; pub status '{message: hello}' --type foxglove.Log; "
+    "call ask '{message: hello}' --type foxglove.Log; param list; param get robot speed; "
+    "param describe robot speed; param watch robot; param set robot speed 2; param save robot; "
+    "param load robot /dev/null; control close status; control open status; control forbid other; "
+    "control allow other; control log info; control stop --session nobody; check /dev/null; check --schema; "
+    "check --schema --robot-file; run /dev/null; ps; logs; restart mapper; move mapper --to front; stop; wait; "
+    "export systemd robot.yaml; export compose robot.yaml; export kubernetes robot.yaml; components; help list; "
+    "completion bash; __complete -- echo ''; __complete -- param get ''; __man; __hosted";
+
+bool HasOption(const CommandEntry& entry, const std::string& name) {
+  Arguments arguments;
+  const auto command = entry.make();
+  command->Declare(arguments);
+  return std::ranges::any_of(arguments.all(), [&](const Argument& one) { return one.names == name; });
+}
+
+// Those of kRuns, each in all its forms. Those that would run forever have a --timeout.
+std::vector<Words> RunsOfEveryCommand(const std::string& timeout = "3", bool with_json = true) {
+  std::set<std::string_view> missing;
+  for (const CommandEntry& entry : Commands()) {
+    if (!entry.family()) missing.insert(entry.name);
+  }
+  std::vector<Words> runs;
+  std::istringstream lines(kRuns);
+  for (std::string line; std::getline(lines, line, ';');) {
+    Words run = ShellWords(line);
+    Words rest = run;
+    const CommandEntry& entry = TakeCommand(rest);
+    missing.erase(entry.name);
+    if (HasOption(entry, "--timeout")) {
+      run.insert(run.end() - static_cast<std::ptrdiff_t>(rest.size()), {"--timeout", timeout});
+    }
+    runs.push_back(run);
+    const auto has = [&](const char* word) { return std::ranges::find(run, word) != run.end(); };
+    if (!with_json || !HasOption(entry, "--json") || has("--svg") || has("--dot") || has("--csv")) continue;
+    run.emplace_back("--json");
+    runs.push_back(run);
+  }
+  EXPECT_THAT(missing, testing::IsEmpty()) << "Give this test lines for new commands.";
+  return runs;
+}
+
+struct FinishedRun {
+  Words words;
+  int status = -1;  // As CommandRun::Wait().
+  std::string out;
+  std::string err;
+};
+
+// All of them at the same time.
+std::vector<std::unique_ptr<CommandRun>> Start(const std::vector<Words>& runs,
+                                               const std::map<std::string, std::string>& environment) {
+  std::vector<std::unique_ptr<CommandRun>> started;
+  for (const Words& words : runs) started.push_back(std::make_unique<CommandRun>(words, environment));
+  return started;
+}
+
+std::vector<FinishedRun> Finish(const std::vector<Words>& runs, std::vector<std::unique_ptr<CommandRun>> started) {
+  std::vector<FinishedRun> finished;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const int status = started[i]->Wait();
+    finished.push_back({runs[i], status, started[i]->out(), started[i]->err()});
+  }
+  return finished;
+}
+
+// Both, with a few at once.
+std::vector<FinishedRun> RunAll(const std::vector<Words>& runs, const std::map<std::string, std::string>& environment) {
+  constexpr std::size_t kAtOnce = 8;
+  std::vector<FinishedRun> finished;
+  for (std::size_t begin = 0; begin < runs.size(); begin += kAtOnce) {
+    const auto from = runs.begin() + static_cast<std::ptrdiff_t>(begin);
+    const std::vector<Words> part(from, from + static_cast<std::ptrdiff_t>(std::min(kAtOnce, runs.size() - begin)));
+    std::ranges::move(Finish(part, Start(part, environment)), std::back_inserter(finished));
+  }
+  return finished;
+}
+
+// Expects that it has ended by itself, and has said why if it was in vain.
+void ExpectGoodEnd(const FinishedRun& run) {
+  const std::string line = testing::PrintToString(run.words);
+  EXPECT_THAT(run.status, testing::AnyOf(0, 1, 2, 3)) << line << " does not end by itself: " << run.out << run.err;
+  // The doctor's findings are its output, and a shell that completes words wants no sentences.
+  const bool says_why = !run.err.empty() || run.words.front() == "doctor" || run.words.front() == "__complete" ||
+                        (run.status == 3 && !run.out.empty());
+  EXPECT_TRUE(run.status == 0 || says_why) << line << " ends with " << run.status << " without a word.";
+  for (const std::string& sentence : LinesOf(run.err)) {
+    EXPECT_THAT(sentence, testing::StartsWith("hgros: ")) << line;
+    EXPECT_THAT(sentence, testing::AnyOf(testing::EndsWith("."), testing::EndsWith("?"))) << line;
+  }
+}
 
 TEST(EveryCommand, EndsWithASentenceWhenNothingRuns) {
-  const std::map<std::string, std::string> nobody{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
-  const auto runs = RunsOfEveryCommand();
-  for (const FinishedRun& run : RunAll(runs, nobody)) ExpectGoodEnd(run);
+  for (const FinishedRun& run : RunAll(RunsOfEveryCommand(), OwnDomain())) ExpectGoodEnd(run);
 }
 
 TEST(EveryCommand, EndsWithASentenceWhenTheSessionDiesWhileItIsAsked) {
@@ -38,9 +143,8 @@ TEST(EveryCommand, EndsWithASentenceWhenTheSessionDiesWhileItIsAsked) {
   const auto all = RunsOfEveryCommand();
   for (std::size_t begin = 0; begin < all.size(); begin += kAtOnce) {
     const auto from = all.begin() + static_cast<std::ptrdiff_t>(begin);
-    const std::vector<std::vector<std::string>> runs(
-        from, from + static_cast<std::ptrdiff_t>(std::min(kAtOnce, all.size() - begin)));
-    const std::map<std::string, std::string> environment{{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}};
+    const std::vector<Words> runs(from, from + static_cast<std::ptrdiff_t>(std::min(kAtOnce, all.size() - begin)));
+    const std::map<std::string, std::string> environment = OwnDomain();
     const CommandRun victim({}, environment, -1, test::Path("everything"));
     for (const char* what : {"channels", "services", "params"}) {
       ASSERT_TRUE(test::Await([&] { return !RunToEnd({"list", what}, environment).out.empty(); })) << victim.err();
@@ -81,16 +185,16 @@ TEST(EveryCommand, NamesASessionAlikeInJson) {
   const Everything everything(robot.session(), "");
   robot.AwaitAnnounced();
   const std::regex alike(R"re("process":"\w+","pid":\d+,"host":")re");
-  std::vector<std::vector<std::string>> runs{{"list", "sessions", "--json"},
-                                             {"list", "nodes", "--json"},
-                                             {"info", "status", "--json"},
-                                             {"info", "hearing", "--json"},
-                                             {"delay", "status", "--once", "--json"},
-                                             {"graph", "--json"},
-                                             {"top", "--once", "--json"},
-                                             {"top", "nodes", "--once", "--json"},
-                                             {"control", "open", "status", "--json"}};
-  for (std::vector<std::string>& words : runs) words = Patiently(words);
+  std::vector<Words> runs{{"list", "sessions", "--json"},
+                          {"list", "nodes", "--json"},
+                          {"info", "status", "--json"},
+                          {"info", "hearing", "--json"},
+                          {"delay", "status", "--once", "--json"},
+                          {"graph", "--json"},
+                          {"top", "--once", "--json"},
+                          {"top", "nodes", "--once", "--json"},
+                          {"control", "open", "status", "--json"}};
+  for (Words& words : runs) words = Patiently(words);
   for (const FinishedRun& run : RunAll(runs, robot.environment())) {
     EXPECT_NE(run.out.find("\"process\":\"robot\""), std::string::npos) << run.out << run.err;
     const std::string others = std::regex_replace(run.out, alike, "");
@@ -134,7 +238,7 @@ TEST(EveryCommand, EndsInTimeBesideAHugeTypeAndEndlessMessages) {
     (void)publish({AsBytes(*bytes), bytes});
   });
   ASSERT_TRUE(test::Await([&] { return robot.Run({"list"}).out.find("huge.Type0") != std::string::npos; }));
-  const std::vector<std::vector<std::string>> runs{
+  const std::vector<Words> runs{
       {"list"},
       {"info", "huge"},
       {"echo", "huge", "--once"},
