@@ -35,7 +35,8 @@ Eigen::Vector3d At(const SolidShape& shape, double x, double y, double z) {
 }
 
 SceneShapes Read(const SceneEntity& entity) {
-  const SceneShapes shapes = Read(entity);
+  SceneShapes shapes;
+  EXPECT_EQ(ReadScene(entity, shapes), "");
   return shapes;
 }
 
