@@ -6,19 +6,18 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <memory>
 #include <random>
-#include <string>
 
 #include "foxglove/PointCloud.pb.h"
 #include "hgros/codec/bulk_field.hpp"
 #include "hgros/internal/codec/bulk_body.hpp"
+#include "support/error_of.hpp"
 #include "support/seed.hpp"
 
 namespace hgros::bulk_read_test {
 namespace {
 
+using codec::FindBulkField;
 using google::protobuf::Message;
 
 std::string Hex(std::string_view digits) {
@@ -37,7 +36,7 @@ struct Apart {
 };
 
 Apart ReadApart(std::string_view wire, const Message& type) {
-  const auto& field = codec::FindBulkField(*type.GetDescriptor(), 0);
+  const auto& field = FindBulkField(*type.GetDescriptor(), 0);
   const std::unique_ptr<Message> head(type.New());
   Apart apart;
   Bytes bulk;
@@ -75,6 +74,61 @@ foxglove::PointCloud Cloud() {
   return cloud;
 }
 
+/// A message type "test.M" with the given fields, in the text form of descriptors.
+class Schema {
+ public:
+  explicit Schema(const std::string& fields, const std::string& syntax = "proto3") {
+    google::protobuf::FileDescriptorProto file;
+    EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(
+        "name: 'm.proto' package: 'test' syntax: '" + syntax + "' message_type { name: 'M' " + fields + " }", &file));
+    file_ = pool_.BuildFile(file);
+    EXPECT_NE(file_, nullptr);
+  }
+  [[nodiscard]] const google::protobuf::Descriptor& type() const { return *file_->message_type(0); }
+
+ private:
+  google::protobuf::DescriptorPool pool_;
+  const google::protobuf::FileDescriptor* file_ = nullptr;
+};
+
+std::string Field(const std::string& name, int number, const std::string& label = "LABEL_OPTIONAL",
+                  const std::string& more = {}) {
+  return "field { name: '" + name + "' number: " + std::to_string(number) + " type: TYPE_BYTES label: " + label + " " +
+         more + " } ";
+}
+
+std::string RefusalOf(const google::protobuf::Descriptor& type, int number) {
+  return test::ErrorOf([&] { (void)FindBulkField(type, number); });
+}
+
+TEST(BulkField, IsTheOnlyFieldOfBytes) {
+  EXPECT_EQ(FindBulkField(*foxglove::PointCloud::descriptor(), 0).name(), "data");
+  const Schema schema(Field("image", 7) + Field("more", 8, "LABEL_REPEATED"));
+  EXPECT_EQ(FindBulkField(schema.type(), 0).number(), 7);
+}
+
+TEST(BulkField, IsChosenByNumberWhereThereAreSeveral) {
+  const Schema schema(Field("left", 1) + Field("right", 2));
+  EXPECT_EQ(FindBulkField(schema.type(), 2).name(), "right");
+  EXPECT_NE(RefusalOf(schema.type(), 0).find("left, right are all of type bytes"), std::string::npos);
+  EXPECT_NE(RefusalOf(schema.type(), 3).find("field 3 of test.M"), std::string::npos);
+}
+
+TEST(BulkField, IsNeitherRepeatedNorRequiredNorInAOneof) {
+  EXPECT_NE(RefusalOf(Schema(Field("a", 1, "LABEL_REPEATED")).type(), 0).find("has none"), std::string::npos);
+  EXPECT_NE(RefusalOf(Schema(Field("a", 1, "LABEL_REQUIRED"), "proto2").type(), 0).find("has none"), std::string::npos);
+  const Schema choice("oneof_decl { name: 'either' } " + Field("a", 1, "LABEL_OPTIONAL", "oneof_index: 0"));
+  EXPECT_NE(RefusalOf(choice.type(), 0).find("has none"), std::string::npos);
+  EXPECT_NE(RefusalOf(choice.type(), 1).find("no such field"), std::string::npos);
+}
+
+TEST(BulkField, MayBeOptional) {
+  const Schema optional("oneof_decl { name: '_a' } " +
+                        Field("a", 1, "LABEL_OPTIONAL", "proto3_optional: true oneof_index: 0"));
+  EXPECT_EQ(FindBulkField(optional.type(), 0).name(), "a");
+  EXPECT_EQ(FindBulkField(Schema(Field("a", 1), "proto2").type(), 0).name(), "a");
+}
+
 TEST(ReadBulk, FindsTheBytesAtAnyPlace) {
   foxglove::PointCloud before = Cloud(), after = Cloud(), only;
   after.clear_data();
@@ -93,7 +147,7 @@ TEST(ReadBulk, ShowsTheBytesInPlace) {
   foxglove::PointCloud head;
   Bytes bulk;
   bool present = false;
-  ASSERT_TRUE(codec::ReadBulk(AsBytes(wire), codec::FindBulkField(*head.GetDescriptor(), 0), head, bulk, present));
+  ASSERT_TRUE(codec::ReadBulk(AsBytes(wire), FindBulkField(*head.GetDescriptor(), 0), head, bulk, present));
   EXPECT_TRUE(present);
   EXPECT_EQ(AsText(bulk).data(), wire.data() + wire.size() - 10);
 }
@@ -111,7 +165,7 @@ TEST(ReadBulk, KeepsUnknownFields) {
   Bytes bulk;
   bool present = false;
   const std::string wire = unknown + Cloud().SerializeAsString() + unknown;
-  ASSERT_TRUE(codec::ReadBulk(AsBytes(wire), codec::FindBulkField(*head.GetDescriptor(), 0), head, bulk, present));
+  ASSERT_TRUE(codec::ReadBulk(AsBytes(wire), FindBulkField(*head.GetDescriptor(), 0), head, bulk, present));
   EXPECT_EQ(AsText(bulk), "the points");
   EXPECT_NE(head.SerializeAsString().find(unknown + unknown), std::string::npos);
   ExpectAsProtobuf(wire, foxglove::PointCloud());
@@ -165,15 +219,9 @@ TEST(ReadBulk, SkipsDeepGroupsWithoutStack) {
 }
 
 TEST(ReadBulk, DistinguishesEmptyFromMissingFieldIfTheSchemaDoes) {
-  google::protobuf::FileDescriptorProto file;
-  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
-      "name: 'm.proto' package: 'test' syntax: 'proto2' message_type { name: 'M' "
-      "field { name: 'a' number: 1 type: TYPE_BYTES label: LABEL_OPTIONAL } "
-      "field { name: 'b' number: 2 type: TYPE_INT32 label: LABEL_REQUIRED } }",
-      &file));
-  google::protobuf::DescriptorPool pool;
+  const Schema schema(Field("a", 1) + "field { name: 'b' number: 2 type: TYPE_INT32 label: LABEL_REQUIRED }", "proto2");
   google::protobuf::DynamicMessageFactory factory;
-  const Message& type = *factory.GetPrototype(pool.BuildFile(file)->message_type(0));
+  const Message& type = *factory.GetPrototype(&schema.type());
   for (const char* digits : {"0a001001", "1001", "0a016110010a00", "0a0161"}) {
     SCOPED_TRACE(digits);
     ExpectAsProtobuf(Hex(digits), type);

@@ -5,7 +5,6 @@
 
 #include <limits>
 #include <random>
-#include <string>
 
 #include "foxglove/RawImage.pb.h"
 #include "hgros/codec/message.hpp"

@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
 #include <random>
-#include <string>
 
 #include "hgros/base/names.hpp"
 #include "hgros/wire.pb.h"
@@ -85,23 +83,8 @@ PacketHead RandomHead(std::mt19937_64& random) {
   return head;
 }
 
-TEST(HeadFrame, StartsWithLengthAndSeparator) {
-  const std::string frame = FrameOf(FullHead());
-  ASSERT_GT(frame.size(), 6U);
-  EXPECT_EQ(static_cast<unsigned char>(frame[0]), frame.size() - 6);
-  EXPECT_EQ(frame.substr(1, 5), std::string("\0\0\0$$", 5));
-}
-
-TEST(HeadFrame, ReadsBackWhatWasWritten) {
-  PacketHead back;
-  EXPECT_EQ(DecodeHeadFrame(AsBytes(FrameOf(FullHead())), back), PacketFault::kNone);
-  ExpectEqual(back, FullHead());
-}
-
 TEST(HeadFrame, IsReadAndWrittenLikeTheGeneratedClass) {
-  constexpr std::uint64_t kSeed = 7;
-  SCOPED_TRACE(kSeed);
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(7);
   std::string frame;
   for (int round = 0; round < 2000; ++round) {
     const PacketHead head = RandomHead(random);
@@ -162,9 +145,7 @@ TEST(HeadFrame, ReportsEveryShorterLengthAsTruncated) {
 }
 
 TEST(HeadFrame, ReadsAnyBytesLikeTheGeneratedClass) {
-  constexpr std::uint64_t kSeed = 11;
-  SCOPED_TRACE(kSeed);
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(11);
   for (int round = 0; round < 20'000; ++round) {
     PacketHead start = FullHead();
     start.type_name.assign(1, 't');
@@ -197,9 +178,7 @@ TEST(HeadFrame, ReadsAnyBytesLikeTheGeneratedClass) {
 }
 
 TEST(HeadFrame, SurvivesRandomBytes) {
-  constexpr std::uint64_t kSeed = 13;
-  SCOPED_TRACE(kSeed);
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(13);
   PacketHead head;
   for (int round = 0; round < 20'000; ++round) {
     std::string bytes(random() % 64, '\0');
@@ -225,33 +204,12 @@ TEST(Topic, EndsSoThatNoChannelIsAPrefixOfAnother) {
   EXPECT_EQ(PeerTopic("scan", SessionId{0xabc}), std::string("scan\1") + "0000000000000abc");
 }
 
-TEST(Topic, CanBeSplitAgain) {
-  const std::string plain = PlainTopic("robot1/scan");
-  ASSERT_TRUE(ParseTopic(AsBytes(plain)));
-  EXPECT_EQ(ParseTopic(AsBytes(plain))->channel, "robot1/scan");
-  EXPECT_EQ(ParseTopic(AsBytes(plain))->session, SessionId{});
-
-  const std::string peer = PeerTopic("robot1/scan", SessionId{0x1234});
-  ASSERT_TRUE(ParseTopic(AsBytes(peer)));
-  EXPECT_EQ(ParseTopic(AsBytes(peer))->channel, "robot1/scan");
-  EXPECT_EQ(ParseTopic(AsBytes(peer))->session, SessionId{0x1234});
-}
-
 TEST(Topic, RefusesOtherForms) {
   using namespace std::string_view_literals;
-  for (const std::string_view text : {""sv, "scan"sv, "\0"sv,
-                                      "\1"
-                                      "0123456789abcdef"sv,
-                                      "scan\0x"sv, "scan\1"sv,
-                                      "scan\1"
-                                      "0123456789abcde"sv,
-                                      "scan\1"
-                                      "0123456789abcdef0"sv,
-                                      "scan\1"
-                                      "0123456789ABCDEF"sv,
-                                      "scan\1"
-                                      "0000000000000000"sv,
-                                      "sc an\0"sv, "scan\2"sv, "\nscan\0"sv, "scan\0\0"sv}) {
+  for (const std::string_view text :
+       {""sv, "scan"sv, "\0"sv, "\0010123456789abcdef"sv, "scan\0x"sv, "scan\1"sv, "scan\0010123456789abcde"sv,
+        "scan\0010123456789abcdef0"sv, "scan\0010123456789ABCDEF"sv, "scan\0010000000000000000"sv, "sc an\0"sv,
+        "scan\2"sv, "\nscan\0"sv, "scan\0\0"sv}) {
     EXPECT_FALSE(ParseTopic(AsBytes(text))) << text;
   }
   EXPECT_FALSE(ParseTopic(AsBytes(PlainTopic(std::string(kMaxChannelNameLength + 1, 'x')))));

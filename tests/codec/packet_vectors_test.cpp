@@ -5,10 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "foxglove/PointCloud.pb.h"
 #include "foxglove/Quaternion.pb.h"

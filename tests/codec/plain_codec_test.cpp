@@ -5,8 +5,6 @@
 #include <array>
 #include <chrono>
 #include <cstring>
-#include <memory>
-#include <string_view>
 
 #include "hgros/codec/message.hpp"
 
@@ -150,30 +148,21 @@ TEST(PlainStruct, FingerprintIsTheHashOfNameByteOrderSizeAndLayout) {
   if constexpr (std::endian::native != std::endian::little) GTEST_SKIP();
   EXPECT_EQ(TypeOf<Wheel>().fingerprint, Fingerprint("plain 1\nhgros_test::Wheel\nlittle\n12 4\n{12/4:f4,[4*s2]}\n"));
   EXPECT_EQ(TypeOf<Wheel>().fingerprint, 0xd5ac0d077ff5618bU);
+  EXPECT_NE(TypeOf<Wheel>().fingerprint, TypeOf<hgros_test::Packed>().fingerprint);
 }
 
-TEST(PlainStruct, FingerprintDiffersWithTheLayout) {
-  namespace mine = hgros_test;
-  EXPECT_NE(Fingerprint("{8/4:s4,f4}"), Fingerprint("{8/4:f4,s4}"));
-  EXPECT_NE(TypeOf<mine::Wheel>().fingerprint, TypeOf<mine::Packed>().fingerprint);
-}
-
-TEST(PlainCodec, SendsTheBytesInPlace) {
-  const auto robot = std::make_shared<const Robot>();
-  const Payload payload = TypeOf<Robot>().encode(robot);
-  EXPECT_EQ(static_cast<const void*>(payload.bytes.data()), robot.get());
-  EXPECT_EQ(payload.bytes.size(), sizeof(Robot));
-  EXPECT_EQ(payload.owner, robot);
-}
-
-TEST(PlainCodec, ReadsBackWhatWasSent) {
+TEST(PlainCodec, SendsTheBytesInPlaceAndReadsThemBack) {
   Robot robot{};
   robot.on = true;
   robot.mode = Mode::kRun;
   robot.pose[1][2] = -0.5;
   robot.wheels[1].ticks[3] = -7;
   robot.count = 1U << 31U;
-  const Payload payload = TypeOf<Robot>().encode(std::make_shared<const Robot>(robot));
+  const auto sent = std::make_shared<const Robot>(robot);
+  const Payload payload = TypeOf<Robot>().encode(sent);
+  EXPECT_EQ(static_cast<const void*>(payload.bytes.data()), sent.get());
+  EXPECT_EQ(payload.bytes.size(), sizeof(Robot));
+  EXPECT_EQ(payload.owner, sent);
   const auto back = std::static_pointer_cast<const Robot>(TypeOf<Robot>().decode(payload));
   ASSERT_NE(back, nullptr);
   EXPECT_TRUE(back->on);

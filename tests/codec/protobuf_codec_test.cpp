@@ -1,14 +1,14 @@
 #include "hgros/internal/codec/protobuf_codec.hpp"
 
 #include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/stubs/logging.h>
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <string>
-
+#include "foxglove/Log.pb.h"
 #include "foxglove/PointCloud.pb.h"
 #include "hgros/Imu.pb.h"
 #include "hgros/codec/message.hpp"
+#include "hgros/codec/protobuf_log.hpp"
 
 namespace hgros::protobuf_codec_test {
 namespace {
@@ -24,7 +24,7 @@ std::shared_ptr<const foxglove::PointCloud> Cloud() {
   return cloud;
 }
 
-TEST(ProtobufCodec, ReadsBackWhatWasSent) {
+TEST(ProtobufCodec, ReadsBackWhatWasSentAndCountsItsMemory) {
   const auto cloud = Cloud();
   const TypeInfo& info = TypeOf<foxglove::PointCloud>();
   const Payload payload = info.encode(cloud);
@@ -33,6 +33,7 @@ TEST(ProtobufCodec, ReadsBackWhatWasSent) {
   const auto back = std::static_pointer_cast<const foxglove::PointCloud>(info.decode(payload));
   ASSERT_NE(back, nullptr);
   EXPECT_EQ(back->SerializeAsString(), cloud->SerializeAsString());
+  EXPECT_GE(info.memory_bytes(cloud.get()), 16'000U);
 }
 
 TEST(ProtobufCodec, WritesAnEmptyMessageAsNoBytes) {
@@ -58,10 +59,6 @@ TEST(ProtobufCodec, RefusesAMessageWithoutARequiredField) {
   EXPECT_EQ(info.decode({AsBytes(bytes), nullptr}), nullptr);
 }
 
-TEST(ProtobufCodec, CountsBulkBytesAsMemory) {
-  EXPECT_GE(TypeOf<foxglove::PointCloud>().memory_bytes(Cloud().get()), 16'000U);
-}
-
 TEST(ProtobufCodec, HasNameAndSchema) {
   const TypeInfo& info = TypeOf<Imu>();
   EXPECT_EQ(info.name, "hgros.Imu");
@@ -69,6 +66,21 @@ TEST(ProtobufCodec, HasNameAndSchema) {
   EXPECT_EQ(info.descriptor(), Imu::descriptor());
   EXPECT_EQ(info.fingerprint, SchemaFingerprint(*Imu::descriptor()));
   EXPECT_EQ(info.descriptor_set(), DescriptorSet(*Imu::descriptor()));
+}
+
+int said = 0;
+void Count(google::protobuf::LogLevel, const char*, int, const std::string&) { ++said; }
+
+TEST(ProtobufLog, DoesNotRepeatThatTextsAreNotUtf8) {
+  google::protobuf::LogHandler* const before = google::protobuf::SetLogHandler(Count);
+  LimitProtobufLog();
+  LimitProtobufLog();
+  for (int i = 0; i < 100; ++i) {
+    foxglove::Log log;
+    EXPECT_FALSE(log.ParseFromString("\x1a\x01\xff"));  // Field 3, a text of one byte.
+  }
+  EXPECT_EQ(said, 1);
+  google::protobuf::SetLogHandler(before);
 }
 
 }  // namespace

@@ -7,8 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <random>
-#include <string>
-#include <vector>
 
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/codec/schema.hpp"
@@ -150,7 +148,6 @@ TEST(SchemaCompatibility, RefusesInvalidSchemasWithoutLogging) {
   FileDescriptorSet missing_import;
   type->file()->CopyTo(missing_import.add_file());
   EXPECT_THAT(CheckSchemas(missing_import.SerializeAsString(), name, *type).reason, HasSubstr("not valid"));
-
   FileDescriptorSet circle;
   circle.add_file()->set_name("a.proto");
   circle.mutable_file(0)->add_dependency("a.proto");
@@ -210,9 +207,7 @@ TEST(SchemaCompatibility, RefusesSchemasThatAreTooExpensive) {
 TEST(SchemaCompatibility, SurvivesRandomDamageWithoutLogging) {
   const auto* const type = foxglove::SceneUpdate::descriptor();
   const std::string good = DescriptorSet(*type);
-  constexpr unsigned kSeed = 20260101;
-  SCOPED_TRACE(kSeed);
-  std::mt19937 random(kSeed);
+  std::mt19937 random(20260101);
   int refused = 0;
   ::testing::internal::CaptureStderr();
   for (int round = 0; round < 300; ++round) {

@@ -5,18 +5,27 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <set>
-#include <string>
+#include <sstream>
 
+#include "foxglove/CameraCalibration.pb.h"
+#include "foxglove/CompressedVideo.pb.h"
 #include "foxglove/FrameTransform.pb.h"
+#include "foxglove/JointStates.pb.h"
 #include "foxglove/SceneUpdate.pb.h"
 #include "foxglove/Vector3.pb.h"
 #include "hgros/internal/codec/fingerprint.hpp"
+#include "support/path.hpp"
 
 namespace hgros {
 namespace {
 
+using google::protobuf::Descriptor;
 using google::protobuf::DescriptorPool;
+using google::protobuf::EnumDescriptor;
+using google::protobuf::FieldDescriptor;
 using google::protobuf::FileDescriptorProto;
 using google::protobuf::FileDescriptorSet;
 
@@ -105,26 +114,93 @@ TEST(SchemaFingerprint, ChangesWithEveryChangeOfMeaning) {
   for (const std::string& fields : cases) EXPECT_TRUE(seen.insert(FingerprintOf(File(fields))).second) << fields;
 }
 
-TEST(DescriptorSet, HasEveryImportOnceAndBeforeItsUser) {
+TEST(DescriptorSet, HasEveryImportOnceBeforeItsUserAndIsEnoughToBuildTheTypeElsewhere) {
   FileDescriptorSet set;
   ASSERT_TRUE(set.ParseFromString(DescriptorSet(*foxglove::SceneUpdate::descriptor())));
   std::set<std::string> seen;
+  DescriptorPool pool;
   for (const FileDescriptorProto& file : set.file()) {
     for (const std::string& import : file.dependency()) EXPECT_TRUE(seen.contains(import)) << import;
     EXPECT_TRUE(seen.insert(file.name()).second) << file.name();
+    ASSERT_NE(pool.BuildFile(file), nullptr);
   }
   EXPECT_TRUE(seen.contains("google/protobuf/timestamp.proto"));
   EXPECT_EQ(set.file(set.file_size() - 1).name(), "foxglove/SceneUpdate.proto");
-}
-
-TEST(DescriptorSet, IsEnoughToBuildTheTypeElsewhere) {
-  FileDescriptorSet set;
-  ASSERT_TRUE(set.ParseFromString(DescriptorSet(*foxglove::SceneUpdate::descriptor())));
-  DescriptorPool pool;
-  for (const FileDescriptorProto& file : set.file()) ASSERT_NE(pool.BuildFile(file), nullptr);
   const auto* const rebuilt = pool.FindMessageTypeByName("foxglove.SceneUpdate");
   ASSERT_NE(rebuilt, nullptr);
   EXPECT_EQ(SchemaFingerprint(*rebuilt), SchemaFingerprint(*foxglove::SceneUpdate::descriptor()));
+}
+
+// One line for each field and each value of an enum.
+std::set<std::string> TableLines() {
+  std::ifstream file(test::Path("schema_table"));
+  std::set<std::string> lines;
+  std::string type;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    if (line[0] != ' ') {
+      type = line.substr(0, line.find(':'));
+      line.erase(0, type.size() + 1);
+    }
+    std::istringstream entries(line);
+    for (std::string entry; std::getline(entries >> std::ws, entry, ',');) lines.insert(type + " " + entry);
+  }
+  return lines;
+}
+
+void AddLines(const Descriptor& message, std::set<std::string>& lines) {
+  for (int i = 0; i < message.field_count(); ++i) {
+    const FieldDescriptor& field = *message.field(i);
+    std::string type = field.type_name();
+    if (field.message_type() != nullptr) type = field.message_type()->full_name();
+    if (field.enum_type() != nullptr) type = field.enum_type()->full_name();
+    lines.insert("message " + message.full_name() + " " + std::to_string(field.number()) + " " + field.name() + " " +
+                 (field.is_repeated() ? "repeated " : "") + type);
+  }
+  for (int i = 0; i < message.enum_type_count(); ++i) {
+    const EnumDescriptor& type = *message.enum_type(i);
+    for (int k = 0; k < type.value_count(); ++k) {
+      lines.insert("enum " + type.full_name() + " " + type.value(k)->name() + " " +
+                   std::to_string(type.value(k)->number()));
+    }
+  }
+}
+
+/// Every message of package foxglove in the shared library: those with names from the table, and those in the files
+/// that these import.
+std::set<std::string> CompiledLines(const std::set<std::string>& table) {
+  std::set<std::string> names;
+  for (const std::string& line : table) {
+    std::istringstream words(line);
+    std::string kind;
+    std::string name;
+    words >> kind >> name;
+    if (kind == "message") names.insert(name);
+  }
+  std::set<std::string> lines;
+  for (const std::string& name : names) {
+    const Descriptor* const message = DescriptorPool::generated_pool()->FindMessageTypeByName(name);
+    EXPECT_NE(message, nullptr) << name << " is in the table but not compiled";
+    if (message == nullptr) continue;
+    EXPECT_EQ(message->file()->message_type_count(), 1) << message->file()->name();
+    EXPECT_EQ(message->file()->name(), "foxglove/" + message->name() + ".proto");
+    AddLines(*message, lines);
+  }
+  return lines;
+}
+
+std::vector<std::string> Missing(const std::set<std::string>& from, const std::set<std::string>& in) {
+  std::vector<std::string> missing;
+  std::ranges::set_difference(from, in, std::back_inserter(missing));
+  return missing;
+}
+
+TEST(SchemaTable, AgreesWithTheCompiledMessagesInBothDirections) {
+  const std::set<std::string> table = TableLines();
+  ASSERT_GT(table.size(), 150U);
+  const std::set<std::string> compiled = CompiledLines(table);
+  EXPECT_EQ(Missing(table, compiled), std::vector<std::string>{}) << "in the table, not compiled";
+  EXPECT_EQ(Missing(compiled, table), std::vector<std::string>{}) << "compiled, not in the table";
 }
 
 }  // namespace
