@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-
 namespace hgros {
 namespace {
 
@@ -24,14 +22,13 @@ TEST(FilePosition, IsReadFromItsText) {
   }
 }
 
-TEST(Error, NamesPlaceFaultAndFix) {
+TEST(Error, NamesPlaceFaultAndFixAndHasItsSentenceAlone) {
   const Error error("The port is taken.", "net.yaml:3", "Choose another one.");
   EXPECT_STREQ(error.what(), "net.yaml:3: The port is taken. Choose another one.");
   EXPECT_EQ(error.where(), "net.yaml:3");
   EXPECT_EQ(error.mend(), "Choose another one.");
-}
-
-TEST(Error, TextIsOnlyTheSentenceWithoutPlaceAndFix) {
+  EXPECT_EQ(error.sentence(), "The port is taken.");
+  EXPECT_EQ(Error("The port is taken.").sentence(), "The port is taken.");
   EXPECT_STREQ(Error("The port is taken.").what(), "The port is taken.");
 }
 
@@ -51,18 +48,11 @@ TEST(Error, KeepsItsPartsWhenCopied) {
   EXPECT_EQ(copy.where(), "where");
 }
 
-TEST(Error, HasASentenceWithoutPlaceAndMend) {
-  EXPECT_EQ(Error("It is off.", "a.yaml:1", "Turn it on.").sentence(), "It is off.");
-  EXPECT_EQ(Error("It is off.").sentence(), "It is off.");
-}
-
 TEST(ConfigError, PutsTheFilePositionFirstAndIsAnError) {
-  try {
-    throw ConfigError("Unknown key \"ipp\".", FilePosition{"net.yaml", 4, 2}, "Did you mean \"ip\"?");
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "net.yaml:4:2: Unknown key \"ipp\". Did you mean \"ip\"?");
-    EXPECT_EQ(error.where(), "net.yaml:4:2");
-  }
+  const ConfigError config("Unknown key \"ipp\".", FilePosition{"net.yaml", 4, 2}, "Did you mean \"ip\"?");
+  const Error& error = config;
+  EXPECT_STREQ(error.what(), "net.yaml:4:2: Unknown key \"ipp\". Did you mean \"ip\"?");
+  EXPECT_EQ(error.where(), "net.yaml:4:2");
 }
 
 TEST(TypeMismatch, IsCaughtAsError) { EXPECT_THROW(throw TypeMismatch("Two types."), Error); }

@@ -4,10 +4,10 @@
 
 #include <mutex>
 #include <set>
-#include <string>
 #include <thread>
 #include <unordered_set>
-#include <vector>
+
+#include "hgros/base/session_name.hpp"
 
 namespace hgros {
 namespace {
@@ -36,6 +36,11 @@ TEST(SessionId, IsAKeyOfOrderedAndHashedContainers) {
   EXPECT_EQ(ordered.begin()->value, 1U);
   const std::unordered_set<SessionId> hashed(ordered.begin(), ordered.end());
   EXPECT_EQ(hashed.size(), 3U);
+}
+
+TEST(SessionName, NamesProcessAndHostIfItIsKnown) {
+  EXPECT_EQ(SessionName(SessionId{0x1234}, "talker", 42, "robot"), "0000000000001234 (talker, process 42 on robot)");
+  EXPECT_EQ(SessionName(SessionId{0x1234}, "talker", 42), "0000000000001234 (talker, process 42)");
 }
 
 TEST(MessageId, IsOrderedByPublisherThenIncarnationThenSequence) {

@@ -3,11 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <memory>
 #include <stdexcept>
 #include <thread>
-#include <utility>
-#include <vector>
 
 namespace hgros {
 namespace {

@@ -4,10 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "hgros/base/log_ending.hpp"
 #include "support/await.hpp"
@@ -21,29 +18,31 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+/// A log and what is written to it.
 struct Recorder {
   std::vector<std::string> lines;
   std::vector<LogLevel> levels;
-
-  LogSink Sink() {
-    return [this](LogLevel level, std::string_view text) {
-      levels.push_back(level);
-      lines.emplace_back(text);
-    };
+  Log log{[this](LogLevel level, std::string_view text) {
+    levels.push_back(level);
+    lines.emplace_back(text);
+  }};
+  /// A warning, at most once in this time.
+  void Warn(const std::string& key, const std::string& text, milliseconds interval = hours(1)) {
+    log.WriteLimited(LogLevel::kWarning, key, text, interval);
   }
 };
 
-TEST(Log, LeavesOutLinesBelowItsLevel) {
+TEST(Log, PassesLevelAndTextToTheSinkButNoLinesBelowItsLevel) {
   Recorder recorder;
-  Log log(recorder.Sink());
-  log.Write(LogLevel::kDebug, "One.");
-  log.SetLevel(LogLevel::kWarning);
-  log.Write(LogLevel::kInfo, "Two.");
-  log.WriteLimited(LogLevel::kInfo, "key", "Three.");
-  log.Write(LogLevel::kWarning, "Four.");
-  log.SetLevel(LogLevel::kDebug);
-  log.WriteLimited(LogLevel::kDebug, "key", "Five.");
+  recorder.log.Write(LogLevel::kDebug, "One.");
+  recorder.log.SetLevel(LogLevel::kWarning);
+  recorder.log.Write(LogLevel::kInfo, "Two.");
+  recorder.log.WriteLimited(LogLevel::kInfo, "key", "Three.");
+  recorder.log.Write(LogLevel::kWarning, "Four.");
+  recorder.log.SetLevel(LogLevel::kDebug);
+  recorder.log.WriteLimited(LogLevel::kDebug, "key", "Five.");
   EXPECT_THAT(recorder.lines, ElementsAre("One.", "Four.", "Five."));
+  EXPECT_THAT(recorder.levels, ElementsAre(LogLevel::kDebug, LogLevel::kWarning, LogLevel::kDebug));
 }
 
 TEST(Log, DefaultSinkShowsDebugLinesOnceThisIsTheLevel) {
@@ -61,21 +60,12 @@ TEST(Log, DefaultSinkShowsDebugLinesOnceThisIsTheLevel) {
   EXPECT_EQ(said.find("Three."), std::string::npos);
 }
 
-TEST(Log, PassesLevelAndTextToTheSink) {
-  Recorder recorder;
-  Log log(recorder.Sink());
-  log.Write(LogLevel::kInfo, "One.");
-  log.Write(LogLevel::kError, "Two.");
-  EXPECT_THAT(recorder.lines, ElementsAre("One.", "Two."));
-  EXPECT_THAT(recorder.levels, ElementsAre(LogLevel::kInfo, LogLevel::kError));
-}
-
 TEST(Log, EscapesLineBreaksAndControlCharacters) {
   Recorder recorder;
-  Log log(recorder.Sink());
-  log.Write(LogLevel::kError, "It threw: first\nsecond.");
-  log.WriteLimited(LogLevel::kError, "key", "Channel \"a\x1b[2J\xe2\x80\xaez\".");
+  recorder.log.Write(LogLevel::kError, "It threw: first\nsecond.");
+  recorder.log.WriteLimited(LogLevel::kError, "key", "Channel \"a\x1b[2J\xe2\x80\xaez\".");
   EXPECT_THAT(recorder.lines, ElementsAre(R"(It threw: first\nsecond.)", R"(Channel "a\x1b[2J\u202ez".)"));
+  EXPECT_THAT(recorder.levels, ElementsAre(LogLevel::kError, LogLevel::kError));
 }
 
 TEST(Log, IsSilentWithoutASink) {
@@ -86,31 +76,28 @@ TEST(Log, IsSilentWithoutASink) {
 
 TEST(Log, WritesOncePerKeyAndInterval) {
   Recorder recorder;
-  Log log(recorder.Sink());
   for (int i = 0; i < 5; ++i) {
-    log.WriteLimited(LogLevel::kWarning, "a", "A.", hours(1));
-    log.WriteLimited(LogLevel::kWarning, "b", "B.", milliseconds::max());
+    recorder.Warn("a", "A.");
+    recorder.Warn("b", "B.", milliseconds::max());
   }
   EXPECT_THAT(recorder.lines, ElementsAre("A.", "B."));
 }
 
 TEST(Log, AddsTheNumberOfSuppressedLinesToTheNextLine) {
   Recorder recorder;
-  Log log(recorder.Sink());
-  for (int i = 0; i < 4; ++i) log.WriteLimited(LogLevel::kWarning, "a", "A.", hours(1));
-  log.WriteLimited(LogLevel::kWarning, "a", "A.", milliseconds(0));
-  log.WriteLimited(LogLevel::kWarning, "a", "A.", milliseconds(0));
+  for (int i = 0; i < 4; ++i) recorder.Warn("a", "A.");
+  recorder.Warn("a", "A.", milliseconds(0));
+  recorder.Warn("a", "A.", milliseconds(0));
   EXPECT_THAT(recorder.lines, ElementsAre("A.", "A. (and 3 times more since the last such line)", "A."));
 }
 
 TEST(Log, WritesTenAlikeLinesAndThenCounts) {
   Recorder recorder;
-  Log log(recorder.Sink());
-  for (int i = 1; i <= 50; ++i) log.WriteLimited(LogLevel::kWarning, "peers", "Peer " + std::to_string(i), hours(1));
+  for (int i = 1; i <= 50; ++i) recorder.Warn("peers", "Peer " + std::to_string(i));
   ASSERT_EQ(recorder.lines.size(), 10U);
   EXPECT_EQ(recorder.lines.back(), "Peer 10");
-  LogEnding(log).WriteHeldBack();
-  LogEnding(log).WriteHeldBack();
+  LogEnding(recorder.log).WriteHeldBack();
+  LogEnding(recorder.log).WriteHeldBack();
   ASSERT_EQ(recorder.lines.size(), 11U);
   EXPECT_EQ(recorder.lines.back(), "40 more lines like this one were not written: Peer 10");
   EXPECT_EQ(recorder.levels.back(), LogLevel::kWarning);
@@ -118,10 +105,8 @@ TEST(Log, WritesTenAlikeLinesAndThenCounts) {
 
 TEST(Log, WritesAHundredLinesOfABurstOfOneKindAndThenCounts) {
   Recorder recorder;
-  Log log(recorder.Sink());
   const auto write = [&](const std::string& kind, int channel, milliseconds interval) {
-    log.WriteLimited(LogLevel::kWarning, kind + " channel " + std::to_string(channel), kind + std::to_string(channel),
-                     interval);
+    recorder.Warn(kind + " channel " + std::to_string(channel), kind + std::to_string(channel), interval);
   };
   for (int i = 1; i <= 3000; ++i) {
     write("lost", i, hours(1));
@@ -138,11 +123,8 @@ TEST(Log, WritesAHundredLinesOfABurstOfOneKindAndThenCounts) {
 
 TEST(Log, WaitsTwiceAsLongAfterEachLineBeyondTen) {
   Recorder recorder;
-  Log log(recorder.Sink());
   int written = 0;
-  const auto write = [&] {
-    log.WriteLimited(LogLevel::kWarning, "peers", "Peer " + std::to_string(++written), milliseconds(1));
-  };
+  const auto write = [&] { recorder.Warn("peers", "Peer " + std::to_string(++written), milliseconds(1)); };
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 10; ++i) write();
   EXPECT_EQ(recorder.lines.size(), 10U);
@@ -158,12 +140,11 @@ TEST(Log, SaysWhatWasHeldBackWithTheNextLineOfAnyKind) {
   // A thread that is interrupted for longer in between writes the line again.
   for (bool in_time = false; !in_time && !HasFailure();) {
     Recorder recorder;
-    Log log(recorder.Sink());
     const auto begin = std::chrono::steady_clock::now();
-    for (int i = 0; i < 3; ++i) log.WriteLimited(LogLevel::kWarning, "a", "A.", kInterval);
+    for (int i = 0; i < 3; ++i) recorder.Warn("a", "A.", kInterval);
     in_time = std::chrono::steady_clock::now() < begin + kInterval;
     test::Linger(kInterval + milliseconds(10));
-    log.WriteLimited(LogLevel::kWarning, "b", "B.", hours(1));
+    recorder.Warn("b", "B.");
     if (in_time) {
       EXPECT_THAT(recorder.lines, ElementsAre("A.", "B.", "2 more lines like this one were not written: A."));
     }
@@ -172,20 +153,18 @@ TEST(Log, SaysWhatWasHeldBackWithTheNextLineOfAnyKind) {
 
 TEST(Log, ForgetsTheOldestKeyWhenThereAreTooMany) {
   Recorder recorder;
-  Log log(recorder.Sink());
-  for (int i = 0; i < 1025; ++i) log.WriteLimited(LogLevel::kWarning, std::to_string(i), "New.", hours(1));
+  for (int i = 0; i < 1025; ++i) recorder.Warn(std::to_string(i), "New.");
   recorder.lines.clear();
-  for (const char* const key : {"1024", "512"}) log.WriteLimited(LogLevel::kWarning, key, "New.", hours(1));
+  for (const char* const key : {"1024", "512"}) recorder.Warn(key, "New.");
   EXPECT_THAT(recorder.lines, ElementsAre()) << "the keys are remembered";
-  log.WriteLimited(LogLevel::kWarning, "0", "New.", hours(1));
+  recorder.Warn("0", "New.");
   EXPECT_THAT(recorder.lines, ElementsAre("New.")) << "the key was forgotten";
 }
 
 TEST(Log, SaysWhatAForgottenKeyHeldBack) {
   Recorder recorder;
-  Log log(recorder.Sink());
-  for (int i = 0; i < 3; ++i) log.WriteLimited(LogLevel::kWarning, "first", "First.", hours(1));
-  for (int i = 0; i < 1024; ++i) log.WriteLimited(LogLevel::kInfo, std::to_string(i), "New.", hours(1));
+  for (int i = 0; i < 3; ++i) recorder.Warn("first", "First.");
+  for (int i = 0; i < 1024; ++i) recorder.log.WriteLimited(LogLevel::kInfo, std::to_string(i), "New.", hours(1));
   ASSERT_EQ(recorder.lines.size(), 1026U);
   EXPECT_EQ(recorder.lines.at(1024), "2 more lines like this one were not written: First.");
   EXPECT_EQ(recorder.levels.at(1024), LogLevel::kWarning);

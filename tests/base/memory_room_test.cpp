@@ -4,11 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
+#include "support/scratch_folder.hpp"
 
 namespace hgros::memory_room_test {
 namespace {
@@ -18,41 +14,40 @@ constexpr std::uint64_t kMega = 1u << 20;
 /// The kernel's files about a process and its groups, written by hand.
 class MemoryGroup : public testing::Test {
  protected:
-  MemoryGroup() {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_group_XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  ~MemoryGroup() override { std::filesystem::remove_all(folder); }
   void Write(const std::string& path, const std::string& text) const {
     std::filesystem::create_directories((folder / path).parent_path());
-    std::ofstream(folder / path) << text;
+    (void)folder.Write(path, text);
   }
   void Unified(const std::string& group, const std::string& limit, std::uint64_t usage, std::uint64_t cached) const {
     Write(group + "/memory.max", limit + "\n");
     Write(group + "/memory.current", std::to_string(usage) + "\n");
     Write(group + "/memory.stat", "anon 5\ninactive_file " + std::to_string(cached) + "\nactive_file 0\nshmem 7\n");
   }
-  void Mounted(const std::string& root, const std::string& kind, const std::string& options) const {
+  void Mounted(const std::string& root, const std::string& kind = "cgroup2",
+               const std::string& options = "nsdelegate") const {
     Write("mountinfo", "22 1 0:20 / /proc rw - proc proc rw\n35 31 0:32 " + root + " " + (folder / "top").string() +
                            " rw,relatime shared:9 - " + kind + " cgroup rw," + options + "\n");
   }
-  [[nodiscard]] std::optional<std::uint64_t> Room() const { return MemoryGroupRoom(folder.string()); }
+  /// The process is in this group of the unified hierarchy.
+  void InGroup(const std::string& group, const std::string& root = "/") const {
+    Write("cgroup", "0::" + group + "\n");
+    Mounted(root);
+  }
+  [[nodiscard]] std::optional<std::uint64_t> Room() const { return MemoryGroupRoom(folder.path().string()); }
 
-  std::filesystem::path folder;
+  const test::ScratchFolder folder;
 };
 
 TEST_F(MemoryGroup, ReturnsNothingWithoutALimit) {
   EXPECT_EQ(Room(), std::nullopt);
-  Write("cgroup", "0::/robot\n");
-  Mounted("/", "cgroup2", "nsdelegate");
+  InGroup("/robot");
   EXPECT_EQ(Room(), std::nullopt);
   Unified("top/robot", "max", kMega, 0);
   EXPECT_EQ(Room(), std::nullopt);
 }
 
 TEST_F(MemoryGroup, ReturnsTheRoomOfTheFullestGroup) {
-  Write("cgroup", "0::/robots/robot\n");
-  Mounted("/", "cgroup2", "nsdelegate");
+  InGroup("/robots/robot");
   Unified("top/robots/robot", "max", 10 * kMega, 0);
   Unified("top/robots", std::to_string(160 * kMega), 100 * kMega, 0);
   EXPECT_EQ(Room(), 40 * kMega) << "an eighth stays free for other needs";
@@ -60,13 +55,9 @@ TEST_F(MemoryGroup, ReturnsTheRoomOfTheFullestGroup) {
   EXPECT_EQ(Room(), 4 * kMega);
   Unified("top/robots/robot", std::to_string(32 * kMega), 31 * kMega, 0);
   EXPECT_EQ(Room(), 0u);
-}
-
-TEST_F(MemoryGroup, CachedFilesCountAsFree) {
-  Write("cgroup", "0::/robot\n");
-  Mounted("/", "cgroup2", "nsdelegate");
-  Unified("top/robot", std::to_string(160 * kMega), 160 * kMega, 100 * kMega);
-  EXPECT_EQ(Room(), 80 * kMega);
+  InGroup("/cached");
+  Unified("top/cached", std::to_string(160 * kMega), 160 * kMega, 100 * kMega);
+  EXPECT_EQ(Room(), 80 * kMega) << "cached files count as free";
 }
 
 TEST_F(MemoryGroup, ReadsGroupsOfCgroupVersionOne) {
@@ -82,12 +73,10 @@ TEST_F(MemoryGroup, ReadsGroupsOfCgroupVersionOne) {
 }
 
 TEST_F(MemoryGroup, ReadsAContainersOwnGroup) {
-  Write("cgroup", "0::/docker/robot\n");
-  Mounted("/docker/robot", "cgroup2", "nsdelegate");
+  InGroup("/docker/robot", "/docker/robot");
   Unified("top", std::to_string(160 * kMega), 100 * kMega, 0);
   EXPECT_EQ(Room(), 40 * kMega);
-  Write("cgroup", "0::/\n");
-  Mounted("/", "cgroup2", "nsdelegate");
+  InGroup("/");
   EXPECT_EQ(Room(), 40 * kMega);
 }
 

@@ -5,11 +5,8 @@
 
 #include <algorithm>
 #include <random>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
 
 namespace hgros {
 namespace {
@@ -73,14 +70,11 @@ TEST(ChannelName, FaultIsThrownWithTheNameAndAnExample) {
 }
 
 TEST(ChannelName, ErrorsContainNoControlCharacters) {
-  try {
-    RequireChannelName("a\x1b[31m\xff" + std::string(63, 'b') + "\xc3\xa9");
-    FAIL() << "nothing was thrown";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr(R"("a\x1b[31m\xffb)"));
-    EXPECT_EQ(std::string(error.what()).find('\x1b'), std::string::npos);
-    EXPECT_EQ(std::string(error.what()).find('\xc3'), std::string::npos);
-  }
+  const std::string error =
+      test::ErrorOf([] { RequireChannelName("a\x1b[31m\xff" + std::string(63, 'b') + "\xc3\xa9"); });
+  EXPECT_THAT(error, HasSubstr(R"("a\x1b[31m\xffb)"));
+  EXPECT_EQ(error.find('\x1b'), std::string::npos);
+  EXPECT_EQ(error.find('\xc3'), std::string::npos);
 }
 
 TEST(NearestName, FindsTheMostSimilarName) {
@@ -90,11 +84,10 @@ TEST(NearestName, FindsTheMostSimilarName) {
   EXPECT_EQ(NearestName("chanels", keys), "channels");
   EXPECT_EQ(NearestName("ipp", keys), "ip");
   EXPECT_EQ(NearestName("closed_channels", keys), "close_channels");
-}
-
-TEST(NearestName, CountsSwappedLettersAsOneError) {
-  const std::vector<std::string> keys = {"can", "scan"};
-  EXPECT_EQ(NearestName("scna", keys), "scan");
+  EXPECT_EQ(NearestName("scna", std::vector<std::string>{"can", "scan"}), "scan")
+      << "swapped letters count as one error";
+  EXPECT_EQ(NearestName("camera_x", std::vector<std::string>{"camera_l", "camera_r"}), "camera_l")
+      << "the first among equals";
 }
 
 TEST(TypingError, IsFoundOnlyInNamesThatAreNotSimilarOnPurpose) {
@@ -168,11 +161,6 @@ TEST(NearestName, IsEmptyWhenNothingIsSimilar) {
   EXPECT_EQ(NearestName("bandwidth", keys), "");
   EXPECT_EQ(NearestName("", keys), "");
   EXPECT_EQ(NearestName("ip", {}), "");
-}
-
-TEST(NearestName, PrefersTheFirstAmongEquals) {
-  const std::vector<std::string> keys = {"camera_l", "camera_r"};
-  EXPECT_EQ(NearestName("camera_x", keys), "camera_l");
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-
 namespace hgros {
 namespace {
 
@@ -18,6 +16,8 @@ TEST(ReadableText, KeepsTextOfAllLanguages) {
 TEST(ReadableText, EscapesControlCharactersAndLineBreaks) {
   EXPECT_EQ(Readable("a\nb\r\tc"), R"(a\nb\r\tc)");
   EXPECT_EQ(Readable("\x1b[31m\x7f"), R"(\x1b[31m\x7f)");
+  EXPECT_EQ(Readable("a\xe2\x80\xa8\xe2\x80\xa9"), R"(a\u2028\u2029)") << "separators of lines and paragraphs";
+  EXPECT_TRUE(IsReadable("\xe2\x80\xa7")) << "their neighbor U+2027";
   EXPECT_EQ(Readable(std::string_view("\0", 1)), R"(\x00)");
   EXPECT_EQ(Readable("\xc2\x80-\xc2\x9f"), R"(\u0080-\u009f)");
   EXPECT_EQ(Readable("\xc2\xa0"), "\xc2\xa0") << "U+00A0 is a space";
@@ -27,11 +27,6 @@ TEST(ReadableText, EscapesCharactersThatChangeTheDirectionOfText) {
   EXPECT_EQ(Readable("\xe2\x80\xaa\xe2\x80\xae"), R"(\u202a\u202e)");
   EXPECT_EQ(Readable("\xe2\x81\xa6\xe2\x81\xa9"), R"(\u2066\u2069)");
   EXPECT_TRUE(IsReadable("\xe2\x80\xaf\xe2\x81\xaa")) << "their neighbors U+202F and U+206A";
-}
-
-TEST(ReadableText, EscapesSeparatorsOfLinesAndParagraphs) {
-  EXPECT_EQ(Readable("a\xe2\x80\xa8\xe2\x80\xa9"), R"(a\u2028\u2029)");
-  EXPECT_TRUE(IsReadable("\xe2\x80\xa7")) << "their neighbor U+2027";
 }
 
 TEST(ReadableText, EscapesBytesThatAreNoUtf8) {

@@ -3,43 +3,30 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <string>
 #include <thread>
 
-#include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
 #include "support/no_descriptors.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-template <class Action>
-std::string ErrorOf(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
 
 TEST(SystemLimits, CountsFreeDescriptors) {
   for (const std::size_t left : {0, 1, 5}) {
-    const test::NoDescriptors few(left);
+    const NoDescriptors few(left);
     EXPECT_EQ(FreeDescriptors(100), left);
     EXPECT_EQ(FreeDescriptors(1), left == 0 ? 0 : 1);
   }
 }
 
 TEST(SystemLimits, MissingDescriptorsAreAnErrorWithTheirNumbers) {
-  const test::NoDescriptors few(3);
+  const NoDescriptors few(3);
   EXPECT_NO_THROW(RequireDescriptors(3, "Cannot test"));
   const std::string error = ErrorOf([] { RequireDescriptors(4, "Cannot test"); });
   EXPECT_NE(error.find("Cannot test: the limit of open files ("), std::string::npos) << error;
   EXPECT_NE(error.find("3 more can be opened, and 4 are needed. Raise the limit (ulimit -n)."), std::string::npos)
       << error;
 }
-
-TEST(SystemLimits, RequiredThreadsEnd) { EXPECT_NO_THROW(RequireThreads(20, "a test")); }
 
 struct NoThread {
   explicit NoThread(int) { throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again)); }
@@ -49,6 +36,7 @@ TEST(SystemLimits, AThreadStartsOrIsAnError) {
   std::atomic<bool> ran{false};
   StartThread<std::thread>("a test", [&] { ran = true; }).join();
   EXPECT_TRUE(ran);
+  EXPECT_NO_THROW(RequireThreads(20, "a test")) << "they end";
   const std::string error = ErrorOf([] { (void)StartThread<NoThread>("a test", 0); });
   EXPECT_NE(error.find("Cannot start a test: the system gives this process no more threads or memory."),
             std::string::npos)
@@ -57,4 +45,4 @@ TEST(SystemLimits, AThreadStartsOrIsAnError) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test
