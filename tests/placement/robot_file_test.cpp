@@ -47,13 +47,11 @@ std::optional<std::string> NoVariables(const std::string&) { return std::nullopt
 std::vector<std::string> FaultsOf(std::string_view text, std::vector<ParamOverride> overrides = {}) {
   const ScratchFolder folder;
   const auto file = folder.Write("robot.yaml", text);
+  const std::string prefix = folder.path().string() + "/";
   std::vector<std::string> faults;
   for (const ConfigError& fault : RobotFile::Check(file, {NoVariables, std::move(overrides)}).faults) {
     std::string line = fault.what();
-    const std::string prefix = folder.path().string() + "/";
-    for (std::size_t at = line.find(prefix); at != std::string::npos; at = line.find(prefix)) {
-      line.erase(at, prefix.size());
-    }
+    for (std::size_t at = 0; (at = line.find(prefix)) != std::string::npos;) line.erase(at, prefix.size());
     faults.push_back(std::move(line));
   }
   return faults;
@@ -63,6 +61,11 @@ void ExpectFault(std::string_view text, std::string_view part, std::vector<Param
   const std::vector<std::string> faults = FaultsOf(text, std::move(overrides));
   ASSERT_EQ(faults.size(), 1U) << text << "\nfirst: " << (faults.empty() ? "none" : faults[0]);
   EXPECT_NE(faults[0].find(part), std::string::npos) << faults[0] << "\nlacks: " << part;
+}
+
+// The fault of `more` below a good component.
+void ExpectBelow(const std::string& more, std::string_view part) {
+  ExpectFault("components: {a: {type: x}}\n" + more, part);
 }
 
 RobotFile Read(std::string_view text, std::vector<ParamOverride> overrides = {}) {
@@ -193,34 +196,29 @@ TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
               "components.a.checkpoint must be a duration such as 500ms");
   ExpectFault("components: {a: {type: x, checkpoint: 5ms}}", "is too short. The shortest is 10ms.");
   ExpectFault("components: {a: {type: x, deadline: 0s}}", "is too short. The shortest is 1ms.");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {components: [b]}}",
-              "2:30: processes.p.components[0] is \"b\"");
+  ExpectBelow("processes: {p: {components: [b]}}", "2:30: processes.p.components[0] is \"b\"");
   ExpectFault("components: {abcd: {type: x}}\nprocesses: {p: {components: [abce]}}", "Did you mean \"abcd\"?");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {components: [a]}, q: {components: [a]}}",
-              "which is placed already at robot.yaml:2:30");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {restart: sometimes}}",
-              "must be one of never, on-failure, always");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {cpus: [1, 1]}}", "is a CPU that the list already has");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {\"A=B\": 1}}}", "cannot be the name of a variable");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {A: \"a\\0b\"}}}", "processes.p.env.A has a byte 0");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {\"A\\0B\": 1}}}", "cannot be the name of a variable");
-  ExpectFault("components: {a: {type: x}}\nprograms: {p: {command: [ls, \"a\\0b\"]}}", "has a byte 0");
+  ExpectBelow("processes: {p: {components: [a]}, q: {components: [a]}}", "which is placed already at robot.yaml:2:30");
+  ExpectBelow("processes: {p: {restart: sometimes}}", "must be one of never, on-failure, always");
+  ExpectBelow("processes: {p: {cpus: [1, 1]}}", "is a CPU that the list already has");
+  ExpectBelow("processes: {p: {env: {\"A=B\": 1}}}", "cannot be the name of a variable");
+  ExpectBelow("processes: {p: {env: {A: \"a\\0b\"}}}", "processes.p.env.A has a byte 0");
+  ExpectBelow("processes: {p: {env: {\"A\\0B\": 1}}}", "cannot be the name of a variable");
+  ExpectBelow("programs: {p: {command: [ls, \"a\\0b\"]}}", "has a byte 0");
   ExpectFault("include: /dev/zero", "which is a pipe or a device");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {env: {A: [1]}}}", "processes.p.env.A must be a text");
-  ExpectFault("components: {a: {type: x}}\nprograms: {p: {}}", "programs.p has no \"command\"");
-  ExpectFault("components: {a: {type: x}}\nprograms: {p: {command: []}}", "names no program");
-  ExpectFault("components: {a: {type: x}}\nprograms: {p: {command: ls}}", "must be a list of the program");
-  ExpectFault("components: {a: {type: x}}\ntime: simulatd", "Did you mean \"simulated\"?");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {p: {time: simulatd}}", "2:23: time must be one of");
+  ExpectBelow("processes: {p: {env: {A: [1]}}}", "processes.p.env.A must be a text");
+  ExpectBelow("programs: {p: {}}", "programs.p has no \"command\"");
+  ExpectBelow("programs: {p: {command: []}}", "names no program");
+  ExpectBelow("programs: {p: {command: ls}}", "must be a list of the program");
+  ExpectBelow("time: simulatd", "Did you mean \"simulated\"?");
+  ExpectBelow("processes: {p: {time: simulatd}}", "2:23: time must be one of");
   ExpectFault("components: {a: ${X}}", "The variable X is not set.");
 }
 
 TEST(RobotFileTest, ANameMeansOneThing) {
-  ExpectFault("components: {a: {type: x}}\nprograms: {a: {command: [ls]}}",
-              "The name \"a\" is taken by the component at robot.yaml:1:14.");
-  ExpectFault("components: {a: {type: x}}\nprocesses: {a: {}}",
-              "The name \"a\" is taken by the component at robot.yaml:1:14.");
-  ExpectFault("components: {a: {type: x}}\nprograms: {main: {command: [ls]}}",
+  ExpectBelow("programs: {a: {command: [ls]}}", "The name \"a\" is taken by the component at robot.yaml:1:14.");
+  ExpectBelow("processes: {a: {}}", "The name \"a\" is taken by the component at robot.yaml:1:14.");
+  ExpectBelow("programs: {main: {command: [ls]}}",
               "The name \"main\" is taken by the process of components without one, such as that at robot.yaml:1:14.");
   EXPECT_TRUE(FaultsOf("components: {a: {type: x}}\nprocesses: {a: {components: [a]}}").empty());
 }
@@ -276,41 +274,36 @@ TEST(RobotFileTest, ReadsHosts) {
 }
 
 TEST(RobotFileTest, FaultsOfHostsHaveAPlaceAndTheNearestName) {
-  const auto expect = [](const std::string& more, std::string_view part) {
-    ExpectFault("components: {a: {type: x}}\n" + more, part);
-  };
-  expect("hosts: {base: {adress: x}}", "2:16: Unknown key \"adress\" in hosts.base. Did you mean \"address\"?");
-  expect("hosts: {'a b': {}}", "\"a b\" cannot be the name of a host.");
-  expect("hosts: {b: {address: 'tcp://x'}}", "Write it without scheme and port");
-  expect("hosts: {b: {address: '10.0.0.1:5650'}}", "Write it without scheme and port");
-  expect("hosts: {b: {port: 0}}", "hosts.b.port must be an integer from 1 to 64535");
-  expect("hosts: {b: {home: 1}}", "hosts.b.home must be true or false");
-  expect("hosts: {b: {ssh: '-oProxyCommand=x'}}", "hosts.b.ssh is \"-oProxyCommand=x\", to which ssh cannot connect");
-  expect("hosts: {b: {hgros: ''}}", "hosts.b.hgros is empty");
-  expect("hosts: {b: {key: short, secret_key_file: /k}}", "hosts.b.key has 5 characters, but a key has 40");
-  expect("hosts: {b: {secret_key_file: /k}}", "hosts.b has a secret_key_file, but no key");
-  expect("hosts: {a: {home: true}, b: {home: true}}", "2:26: Two hosts are home: \"a\" and \"b\".");
-  expect("hosts: {a: {address: 10.0.0.1}, b: {address: 10.0.0.1}}",
-         "2:33: The hosts \"a\" and \"b\" have the same address, 10.0.0.1, and both use its port 5650.");
-  expect("hosts: {a: {address: h, home: true}, b: {address: h, port: 5651}}\nprocesses: {p: {}, q: {}}",
-         "and both use its port 5651. Correct the address of one, or give it another `port`.");
-  expect(
+  ExpectBelow("hosts: {base: {adress: x}}", "2:16: Unknown key \"adress\" in hosts.base. Did you mean \"address\"?");
+  ExpectBelow("hosts: {'a b': {}}", "\"a b\" cannot be the name of a host.");
+  ExpectBelow("hosts: {b: {address: 'tcp://x'}}", "Write it without scheme and port");
+  ExpectBelow("hosts: {b: {address: '10.0.0.1:5650'}}", "Write it without scheme and port");
+  ExpectBelow("hosts: {b: {port: 0}}", "hosts.b.port must be an integer from 1 to 64535");
+  ExpectBelow("hosts: {b: {home: 1}}", "hosts.b.home must be true or false");
+  ExpectBelow("hosts: {b: {ssh: '-oProxyCommand=x'}}",
+              "hosts.b.ssh is \"-oProxyCommand=x\", to which ssh cannot connect");
+  ExpectBelow("hosts: {b: {hgros: ''}}", "hosts.b.hgros is empty");
+  ExpectBelow("hosts: {b: {key: short, secret_key_file: /k}}", "hosts.b.key has 5 characters, but a key has 40");
+  ExpectBelow("hosts: {b: {secret_key_file: /k}}", "hosts.b has a secret_key_file, but no key");
+  ExpectBelow("hosts: {a: {home: true}, b: {home: true}}", "2:26: Two hosts are home: \"a\" and \"b\".");
+  ExpectBelow("hosts: {a: {address: 10.0.0.1}, b: {address: 10.0.0.1}}",
+              "2:33: The hosts \"a\" and \"b\" have the same address, 10.0.0.1, and both use its port 5650.");
+  ExpectBelow("hosts: {a: {address: h, home: true}, b: {address: h, port: 5651}}\nprocesses: {p: {}, q: {}}",
+              "and both use its port 5651. Correct the address of one, or give it another `port`.");
+  ExpectBelow(
       "hosts: {a: {address: h, home: true}, b: {address: h, port: 5651}}\n"
       "processes: {p: {}}\nprograms: {q: {command: [ls], publishes: [x]}}",
       "and both use its port 5651.");
-  expect("programs: {q: {command: [ls], calls: plan}}", "programs.q.calls must be a list of names");
-  expect("hosts: {base: {home: 1}}\nprocesses: {p: {host: base}}", "hosts.base.home must be true or false");
-  expect("hosts: {base: 5}\nprocesses: {p: {host: base}}", "hosts.base must be a map with address");
-  expect("hosts: {base: }\nprocesses: {p: {host: bas}}",
-         "3:23: processes.p.host is \"bas\", which is no host of the robot. Did you mean \"base\"?");
+  ExpectBelow("programs: {q: {command: [ls], calls: plan}}", "programs.q.calls must be a list of names");
+  ExpectBelow("hosts: {base: {home: 1}}\nprocesses: {p: {host: base}}", "hosts.base.home must be true or false");
+  ExpectBelow("hosts: {base: 5}\nprocesses: {p: {host: base}}", "hosts.base must be a map with address");
+  ExpectBelow("hosts: {base: }\nprocesses: {p: {host: bas}}",
+              "3:23: processes.p.host is \"bas\", which is no host of the robot. Did you mean \"base\"?");
   const std::string key = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
-  expect("hosts: {a: {key: '" + key + "'}}", "hosts.a has a key, but no secret_key_file");
-  expect("hosts: {a: {key: '" + key + "', secret_key_file: k}}", "hosts.a.secret_key_file must be a full path");
-  expect("hosts: {a: {key: '" + key + "', secret_key_file: /k}, b: }",
-         "The host \"b\" has no key, but others have one.");
-}
-
-TEST(RobotFileTest, HostsOfOneAddressMayHavePortsOfTheirOwn) {
+  ExpectBelow("hosts: {a: {key: '" + key + "'}}", "hosts.a has a key, but no secret_key_file");
+  ExpectBelow("hosts: {a: {key: '" + key + "', secret_key_file: k}}", "hosts.a.secret_key_file must be a full path");
+  ExpectBelow("hosts: {a: {key: '" + key + "', secret_key_file: /k}, b: }",
+              "The host \"b\" has no key, but others have one.");
   EXPECT_TRUE(FaultsOf("hosts: {a: {address: h, home: true}, b: {address: h, port: 5652}}\n"
                        "components: {a: {type: x}}\nprocesses: {p: {}}")
                   .empty());

@@ -1,15 +1,13 @@
 // Documents that are put together from several files, and variables in them.
-#include <random>
+#include <map>
 
 #include "config/config_fixture.hpp"
 #include "hgros/yaml/document.hpp"
 #include "hgros/yaml/reader.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::ExpectConfigError;
-using test::ScratchFolder;
 using yaml::Document;
 using yaml::Node;
 using yaml::Value;
@@ -17,12 +15,10 @@ using yaml::Value;
 std::optional<std::string> NoVariables(const std::string&) { return std::nullopt; }
 
 std::optional<std::string> TestVariables(const std::string& name) {
-  if (name == "SPEED") return "0.5";
-  if (name == "NAME") return "front";
-  if (name == "EMPTY") return "";
-  if (name == "TILDE") return "~";
-  if (name == "WRONG") return "a\x01";
-  return std::nullopt;
+  static const std::map<std::string, std::string> values{
+      {"SPEED", "0.5"}, {"NAME", "front"}, {"EMPTY", ""}, {"TILDE", "~"}, {"WRONG", "a\x01"}};
+  const auto found = values.find(name);
+  return found == values.end() ? std::nullopt : std::optional(found->second);
 }
 
 // The tree as one line: {a: 1, b: [x, "y"]}.
@@ -54,35 +50,27 @@ void ExpectFaultOf(const std::string& text, const std::string& at, const std::ve
                     file.string() + (at.empty() ? "" : ":" + at), parts);
 }
 
-TEST(YamlVariables, AreReplacedInKeysAndValues) {
+TEST(YamlVariables, AreReplacedInKeysAndValuesOfAssembledFilesOnly) {
   EXPECT_EQ(Assembled("speed: ${SPEED}"), "{speed: 0.5}");
   EXPECT_EQ(Assembled("speed: \"${SPEED}\""), "{speed: \"0.5\"}");
   EXPECT_EQ(Assembled("${NAME}_laser: [a${SPEED}b${NAME}, ${NAME}]"), "{front_laser: [a0.5bfront, front]}");
-}
-
-TEST(YamlVariables, AreReplacedInsideBrackets) {
   EXPECT_EQ(Assembled("{a: ${SPEED}, b: [${NAME}, x${NAME}], c: {d: ${MISSING:-1}}, $${e}: 1}"),
             "{a: 0.5, b: [front, xfront], c: {d: 1}, ${e}: 1}");
+  const ScratchFolder folder;
+  EXPECT_EQ(Line(Document::Load(folder.Write("robot.yaml", "a: ${SPEED}")).root()), "{a: ${SPEED}}") << "elsewhere";
 }
 
-TEST(YamlVariables, HaveDefaults) {
-  EXPECT_EQ(Assembled("a: ${MISSING:-3}"), "{a: 3}");
-  EXPECT_EQ(Assembled("a: ${EMPTY:-3}"), "{a: 3}");
-  EXPECT_EQ(Assembled("a: ${SPEED:-3}"), "{a: 0.5}");
-  EXPECT_EQ(Assembled("a: /dev/${MISSING:-tty:-USB0}"), "{a: /dev/tty:-USB0}");
-}
-
-TEST(YamlVariables, EmptyOnesOutsideQuotesAreNothing) {
-  EXPECT_EQ(Assembled("a: ${EMPTY}"), "{a: ~}");
-  EXPECT_EQ(Assembled("a: ${TILDE}"), "{a: ~}");
-  EXPECT_EQ(Assembled("a: ${MISSING:-}"), "{a: ~}");
-  EXPECT_EQ(Assembled("a: '${EMPTY}'"), "{a: \"\"}");
-}
-
-TEST(YamlVariables, TwoDollarsKeepTheText) {
-  EXPECT_EQ(Assembled("a: $${SPEED}"), "{a: ${SPEED}}");
-  EXPECT_EQ(Assembled("a: $5 $$ $"), "{a: $5 $$ $}");
-  EXPECT_EQ(Assembled("a: '$${x'"), "{a: \"${x\"}");
+TEST(YamlVariables, HaveDefaultsAndKeepTheirTextAfterTwoDollars) {
+  using Texts = std::pair<const char*, const char*>;
+  for (const auto& [text, line] :
+       {Texts{"a: ${MISSING:-3}", "{a: 3}"}, Texts{"a: ${EMPTY:-3}", "{a: 3}"}, Texts{"a: ${SPEED:-3}", "{a: 0.5}"},
+        Texts{"a: /dev/${MISSING:-tty:-USB0}", "{a: /dev/tty:-USB0}"},
+        Texts{"a: ${EMPTY}", "{a: ~}"},  // Outside quotes, it is nothing.
+        Texts{"a: ${TILDE}", "{a: ~}"}, Texts{"a: ${MISSING:-}", "{a: ~}"}, Texts{"a: '${EMPTY}'", "{a: \"\"}"},
+        Texts{"a: $${SPEED}", "{a: ${SPEED}}"}, Texts{"a: $5 $$ $", "{a: $5 $$ $}"},
+        Texts{"a: '$${x'", "{a: \"${x\"}"}}) {
+    EXPECT_EQ(Assembled(text), line) << text;
+  }
 }
 
 TEST(YamlVariables, FaultsHaveAPlace) {
@@ -94,11 +82,6 @@ TEST(YamlVariables, FaultsHaveAPlace) {
   const auto file = folder.Write("robot.yaml", "a: ${WRONG}");
   ExpectConfigError([&] { return Document::Assemble(file, TestVariables).root().line; }, "the variable WRONG:1:2",
                     {"control character 0x01"});
-}
-
-TEST(YamlVariables, AreNotReplacedInOtherFiles) {
-  const ScratchFolder folder;
-  EXPECT_EQ(Line(Document::Load(folder.Write("robot.yaml", "a: ${SPEED}")).root()), "{a: ${SPEED}}");
 }
 
 TEST(YamlInclude, TheFileIsMergedOnTopOfWhatItIncludes) {
@@ -123,7 +106,7 @@ TEST(YamlInclude, AFileMayOnlyInclude) {
   EXPECT_EQ(Line(Document::Assemble(folder.Write("none.yaml", "include: []"), NoVariables).root()), "{}");
 }
 
-TEST(YamlInclude, FaultsHaveAPlace) {
+TEST(YamlInclude, FaultsHaveAPlaceAndManyFilesAreRefused) {
   ExpectFaultOf("a: 1\ninclude: missing.yaml", "2:10", {"\"missing.yaml\", which is no file"});
   ExpectFaultOf("include: [robot.yaml]", "1:11", {"The files include each other"});
   ExpectFaultOf("include: [[]]", "1:11", {"must be the name of a file, but is a list"});
@@ -133,14 +116,10 @@ TEST(YamlInclude, FaultsHaveAPlace) {
   const auto file = folder.Write("robot.yaml", "include: broken.yaml");
   ExpectConfigError([&] { return Document::Assemble(file, NoVariables).root().line; }, broken.string() + ":1:4",
                     {"not closed"});
-}
-
-TEST(YamlInclude, ManyFilesAreRefused) {
-  const ScratchFolder folder;
   for (int i = 0; i < 40; ++i) {
     (void)folder.Write("f" + std::to_string(i) + ".yaml", "include: f" + std::to_string(i + 1) + ".yaml");
   }
-  EXPECT_THROW((void)Document::Assemble(folder.path() / "f0.yaml", NoVariables), ConfigError);
+  EXPECT_THROW((void)Document::Assemble(folder.path() / "f0.yaml", NoVariables), ConfigError) << "too many";
 }
 
 TEST(YamlMerge, EmptyValuesLeaveMapsUnchanged) {
@@ -184,12 +163,9 @@ TEST(YamlText, HasTheSameValues) {
     const std::string written = document.ToYaml();
     EXPECT_EQ(Line(Document::Parse(written, "written").root()), Line(document.root())) << written;
   }
-}
-
-TEST(YamlText, HasNumbersAndBooleansOnlyWhereTheFileHas) {
   const Document read = Document::Parse(Document::Parse("[5, '5', true, 'true', a, b c]", "f").ToYaml(), "written");
-  EXPECT_EQ(Line(read.root()), "[5, \"5\", true, \"true\", a, \"b c\"]");
+  EXPECT_EQ(Line(read.root()), "[5, \"5\", true, \"true\", a, \"b c\"]") << "numbers only where the file has them";
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test
