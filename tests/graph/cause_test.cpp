@@ -1,21 +1,14 @@
 // Messages carry what led to them: the message that was being handled, and the beginning of their chain.
 #include "hgros/base/cause.hpp"
 
-#include <gtest/gtest.h>
-
 #include <map>
 #include <optional>
-#include <thread>
 
 #include "graph/graph_fixture.hpp"
 #include "hgros/clock/time.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::AllExecutors;
-using test::Await;
-using test::Options;
 
 constexpr Invoke kSerial = Invoke::kSerial;
 
@@ -40,10 +33,7 @@ class Infos {
   std::map<std::string, MessageInfo> infos_;
 };
 
-class CauseInGraph : public testing::TestWithParam<std::size_t> {
- protected:
-  [[nodiscard]] static Executor executor() { return AllExecutors().at(GetParam()); }
-};
+class CauseInGraph : public OnEveryExecutor {};
 INSTANTIATE_TEST_SUITE_P(EveryExecutor, CauseInGraph, testing::Values(0U, 1U, 2U));
 
 TEST_P(CauseInGraph, IsTheMessageInWhoseCallbackAnotherIsPublished) {
@@ -145,7 +135,7 @@ TEST(ChainAges, AreCountedByTheOriginOfTheChain) {
   const auto slow = graph.FromGraph<int>(
       "scan", kSerial,
       [&](const int& value) {
-        test::Linger(std::chrono::milliseconds(20));
+        Linger(std::chrono::milliseconds(20));
         plan(value);
       },
       Options(Executor::Inline()));
@@ -184,4 +174,4 @@ TEST(ChainAges, CountOriginsBeyondTheFirst16Together) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

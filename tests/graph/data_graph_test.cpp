@@ -1,25 +1,15 @@
 #include "hgros/graph/data_graph.hpp"
 
-#include <gtest/gtest.h>
-
-#include <latch>
-#include <memory>
 #include <new>
 #include <set>
 #include <stdexcept>
-#include <thread>
 
 #include "graph/graph_fixture.hpp"
 #include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::AllExecutors;
-using test::Await;
-using test::Collected;
-using test::Counting;
-using test::Options;
 
 // Counts how often it is copied.
 struct Counted {
@@ -41,23 +31,8 @@ struct Uncopyable {
   bool memory_is_short;
 };
 
-class EveryExecutor : public testing::TestWithParam<std::size_t> {
- protected:
-  [[nodiscard]] Executor executor() const { return AllExecutors()[GetParam()]; }
-};
+class EveryExecutor : public OnEveryExecutor {};
 INSTANTIATE_TEST_SUITE_P(DataGraph, EveryExecutor, testing::Values(0U, 1U, 2U));
-
-TEST(DataGraph, RefusesNodeNamesThatCannotBeShown) {
-  DataGraph graph;
-  const auto subscribe = [&](const std::string& name) {
-    return graph.FromGraph<int>("c", Invoke::kSerial, [](const int&) {}, {.name = name});
-  };
-  for (const char* name : {"map\nper", "\x1b[2J", "map\u202e", "\u0085", "\xff"}) {
-    EXPECT_THROW((void)subscribe(name), Error) << name;
-  }
-  EXPECT_THROW((void)subscribe(std::string(1001, 'n')), Error);
-  EXPECT_NO_THROW((void)subscribe("the mapper 2 \u00e4"));
-}
 
 TEST_P(EveryExecutor, AllNodesGetTheSameObjectWithoutCopies) {
   DataGraph graph;
@@ -103,16 +78,9 @@ TEST_P(EveryExecutor, SerialNodesKeepEachPublishersOrder) {
           ++count;
         },
         Options(executor(), Queue::KeepAll(100000)));
-    {
-      std::vector<std::jthread> publishers;
-      for (int t = 0; t < threads; ++t) {
-        publishers.emplace_back([&, t] {
-          for (int i = 0; i < kEach; ++i) {
-            EXPECT_EQ(graph.ToGraph(channel, std::make_unique<std::pair<int, int>>(t, i)), PublishStatus::kOk);
-          }
-        });
-      }
-    }
+    InThreads(threads, kEach, [&](int t, int i) {
+      EXPECT_EQ(graph.ToGraph(channel, std::make_unique<std::pair<int, int>>(t, i)), PublishStatus::kOk);
+    });
     ASSERT_TRUE(Await([&] { return count == threads * kEach; })) << threads << " threads";
     EXPECT_EQ(overlaps, 0);
     for (const auto& values : got) EXPECT_EQ(values, Counting(0, kEach));
@@ -133,30 +101,22 @@ TEST_P(EveryExecutor, ConcurrentNodesGetEveryMessageOnce) {
           ++count;
         },
         Options(executor(), Queue::KeepAll(100000)));
-    {
-      std::vector<std::jthread> publishers;
-      for (int t = 0; t < threads; ++t) {
-        publishers.emplace_back([&, t] {
-          for (int i = 0; i < kEach; ++i) {
-            EXPECT_EQ(graph.ToGraph(channel, std::make_unique<int>(t * kEach + i)), PublishStatus::kOk);
-          }
-        });
-      }
-    }
+    InThreads(threads, kEach, [&](int t, int i) {
+      EXPECT_EQ(graph.ToGraph(channel, std::make_unique<int>(t * kEach + i)), PublishStatus::kOk);
+    });
     ASSERT_TRUE(Await([&] { return count == threads * kEach; })) << threads << " threads";
     for (const auto& times : got) EXPECT_EQ(times, 1);
   }
 }
 
 TEST_P(EveryExecutor, ThrowingCallbackIsCountedLoggedAndIsolated) {
-  test::Heard heard;
+  Heard heard;
   DataGraph graph({}, heard.MakeLog());
   Collected good;
   const auto bad = graph.FromGraph<int>(
       "c", Invoke::kSerial, [](const int&) { throw std::runtime_error("no map yet"); },
       Options(executor(), {}, "planner"));
-  const auto other = graph.FromGraph<int>(
-      "c", Invoke::kSerial, [&](const int& value) { good.Add(value); }, Options(executor()));
+  const auto other = Collect(graph, good, Options(executor()));
   for (int i = 0; i < 10; ++i) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(i)), PublishStatus::kOk);
   EXPECT_TRUE(Await([&] { return good.size() == 10 && bad.stats().run == 10; }));  // Counted after its failure.
   EXPECT_TRUE(heard.Contains("planner"));
@@ -167,7 +127,7 @@ TEST_P(EveryExecutor, ThrowingCallbackIsCountedLoggedAndIsolated) {
 TEST_P(EveryExecutor, SlowKeepLastNodeGetsTheNewestAndCountsDrops) {
   if (executor().kind() == Executor::Kind::kInline) GTEST_SKIP() << "an inline node makes its publisher wait instead";
   DataGraph graph;
-  test::Door door;
+  Door door;
   Collected got;
   const auto subscription = graph.FromGraph<int>(
       "c", Invoke::kSerial,
@@ -187,23 +147,17 @@ TEST_P(EveryExecutor, SlowKeepLastNodeGetsTheNewestAndCountsDrops) {
 }
 
 TEST_P(EveryExecutor, KeepLastNodeLogsItsFirstDropOnceWithTheWayToChangeItsQueue) {
-  test::Heard heard;
-  GraphOptions options;
-  options.threads = 2;  // Both callbacks wait at the same time.
-  DataGraph graph(std::move(options), heard.MakeLog());
-  test::Door door;
-  std::atomic<int> began{0};
-  const auto slow = [&](const int&) {
-    ++began;
-    door.Pass();
-  };
+  Heard heard;
+  DataGraph graph(Workers(2), heard.MakeLog());  // Both callbacks wait at the same time.
+  CountingDoor door;
+  const auto slow = [&](const int&) { door.Pass(); };
   const auto dropping = graph.FromGraph<int>("c", Invoke::kSerial, slow, Options(executor(), Queue::KeepLast(3)));
   const auto latest = graph.FromGraph<int>("d", Invoke::kSerial, slow, Options(executor(), Queue::Latest()));
   std::vector<std::jthread> publishers;  // The first message of an inline node keeps its publisher.
   for (const char* channel : {"c", "d"}) {
     publishers.emplace_back([&graph, channel] { (void)graph.ToGraph(channel, std::make_unique<int>(0)); });
   }
-  ASSERT_TRUE(Await([&] { return began == 2; }));
+  ASSERT_TRUE(Await([&] { return door.came == 2; }));
   for (int i = 1; i <= 10; ++i) {
     for (const char* channel : {"c", "d"})
       EXPECT_EQ(graph.ToGraph(channel, std::make_unique<int>(i)), PublishStatus::kOk);
@@ -239,14 +193,10 @@ TEST(DataGraph, InlineSerialNodeGetsItsOwnMessageAfterItReturns) {
 TEST(DataGraph, SecondTypeOnAChannelThrowsNamingBothTypesAndTheLine) {
   DataGraph graph;
   (void)graph.Advertise<int>("scan");
-  try {
-    (void)graph.ToGraph("scan", std::make_unique<double>(1.0));
-    FAIL() << "no error";
-  } catch (const TypeMismatch& error) {
-    const std::string text = error.what();
-    for (const char* part : {"scan", "int", "double", "data_graph_test.cpp", "another channel name."}) {
-      EXPECT_NE(text.find(part), std::string::npos) << text;
-    }
+  EXPECT_THROW((void)graph.ToGraph("scan", std::make_unique<double>(1.0)), TypeMismatch);
+  const std::string text = ErrorOf([&] { return graph.ToGraph("scan", std::make_unique<double>(1.0)); });
+  for (const char* part : {"scan", "int", "double", "data_graph_test.cpp", "another channel name."}) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
   }
 }
 
@@ -257,35 +207,27 @@ TEST(DataGraph, BadChannelNameThrows) {
   EXPECT_THROW((void)graph.Advertise<int>(std::string(201, 'a')), Error);
 }
 
-TEST(DataGraph, ClosedChannelDeliversNothingLocally) {
-  DataGraph graph;
-  graph.SetClosed("c", true);
-  Collected got;
-  const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline()));
-  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
-  graph.SetClosed("c", false);
-  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(2)), PublishStatus::kOk);
-  EXPECT_EQ(got.values(), std::vector<int>{2});
-}
-
-TEST(DataGraph, ClosedChannelDeliversRemoteMessages) {
+TEST(DataGraph, ClosedChannelDeliversRemoteMessagesOnly) {
   DataGraph graph;
   graph.SetClosed("c", true);
   Collected got;
   const auto subscription = graph.FromGraph<int>(
       "c", Invoke::kSerial,
       [&](const int& value, const MessageInfo& info) {
-        EXPECT_TRUE(info.remote);
+        EXPECT_EQ(info.remote, value == 7);
         got.Add(value);
       },
       Options(Executor::Inline()));
+  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
   Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   DataGraph::Inject(channel, std::make_shared<const int>(7), TypeOf<int>(), MessageInfo{}, nullptr, 0);
   EXPECT_EQ(got.values(), std::vector<int>{7});
+  graph.SetClosed("c", false);
+  EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(2)), PublishStatus::kOk);
+  EXPECT_EQ(got.values(), (std::vector<int>{7, 2}));
 }
 
-TEST(DataGraph, NodesAreNamedAfterTheirChannelUnlessTheyHaveAName) {
+TEST(DataGraph, NodesAreNamedAfterTheirChannelUnlessTheyHaveANameThatCanBeShown) {
   DataGraph graph;
   const auto first = graph.FromGraph<int>("scan", Invoke::kSerial, [](const int&) {});
   const auto second = graph.FromGraph<int>("scan", Invoke::kSerial, [](const int&) {});
@@ -294,6 +236,14 @@ TEST(DataGraph, NodesAreNamedAfterTheirChannelUnlessTheyHaveAName) {
   EXPECT_EQ(first.name(), "scan#0");
   EXPECT_EQ(second.name(), "scan#1");
   EXPECT_EQ(third.name(), "matcher");
+  const auto subscribe = [&](const std::string& name) {
+    return graph.FromGraph<int>("c", Invoke::kSerial, [](const int&) {}, {.name = name});
+  };
+  for (const char* name : {"map\nper", "\x1b[2J", "map\u202e", "\u0085", "\xff"}) {
+    EXPECT_THROW((void)subscribe(name), Error) << name;
+  }
+  EXPECT_THROW((void)subscribe(std::string(1001, 'n')), Error);
+  EXPECT_NO_THROW((void)subscribe("the mapper 2 \u00e4"));
 }
 
 TEST(DataGraph, ConfigurationOverridesTheProgramsNodeOptions) {
@@ -322,6 +272,31 @@ TEST(DataGraph, SnapshotCountsMessagesAndCallbacks) {
   EXPECT_EQ(node.queue_wait.count(), 100U);
 }
 
+TEST(DataGraph, FindsEveryChannelWhileOthersAreAdded) {
+  DataGraph graph;
+  constexpr int kChannels = 1000;
+  std::atomic<bool> stop{false};
+  std::atomic<int> added{0};
+  std::atomic<int> misses{0};
+  std::jthread reader([&] {
+    while (!stop) {
+      const int count = added;
+      for (int i = 0; i < count; ++i) {
+        // The channel was opened with int, and another type is refused. No refusal shows that the channel was found.
+        if (graph.ToGraph("channel" + std::to_string(i), std::make_unique<int>(i)) != PublishStatus::kOk) ++misses;
+      }
+    }
+  });
+  for (int i = 0; i < kChannels; ++i) {
+    (void)graph.Advertise<int>("channel" + std::to_string(i));
+    added = i + 1;
+  }
+  stop = true;
+  reader.join();
+  EXPECT_EQ(misses, 0);
+  EXPECT_EQ(graph.Snapshot().channels.size(), static_cast<std::size_t>(kChannels));
+}
+
 TEST(DataGraph, AcceptsMoveOnlyCallbacks) {
   DataGraph graph;
   Collected got;
@@ -342,9 +317,9 @@ TEST(DataGraph, WaitIdleWaitsForAWholePipeline) {
       (void)graph.ToGraph("s" + std::to_string(i + 1), std::make_unique<int>(value + 1));
     }));
   }
-  stages.push_back(graph.FromGraph<int>("s10", Invoke::kSerial, [&](const int& value) { got.Add(value); }));
+  stages.push_back(Collect(graph, got, {}, "s10"));
   for (int i = 0; i < 10; ++i) (void)graph.ToGraph("s0", std::make_unique<int>(i));
-  EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_TRUE(WaitIdle(graph));
   EXPECT_EQ(got.values(), Counting(10, 20));
 }
 
@@ -365,7 +340,7 @@ TEST(DataGraph, RefusesAndCountsNullMessages) {
 }
 
 TEST(DataGraph, RefusesCountsAndLogsMessagesThatThereIsNoMemoryToCopy) {
-  test::Heard log;
+  Heard log;
   DataGraph graph({}, log.MakeLog());
   const auto publish = graph.Advertise<Uncopyable>("c");
   for (int i = 0; i < 3; ++i) EXPECT_EQ(publish(Uncopyable(true)), PublishStatus::kNoMemory);
@@ -377,14 +352,12 @@ TEST(DataGraph, RefusesCountsAndLogsMessagesThatThereIsNoMemoryToCopy) {
 
 TEST(DataGraph, MovesFromAMessageOnlyIfItIsTaken) {
   DataGraph graph;
-  std::latch door{1};
-  std::atomic<bool> begun{false};
+  CountingDoor door;
   std::vector<const char*> seen;
   const auto subscription = graph.FromGraph<std::string>(
       "c", Invoke::kSerial,
       [&](const std::string& message) {
-        begun = true;
-        door.wait();
+        door.Pass();
         seen.push_back(message.data());
       },
       Options(Executor::Tbb(), Queue::KeepAll(1)));
@@ -394,8 +367,7 @@ TEST(DataGraph, MovesFromAMessageOnlyIfItIsTaken) {
   do {
     message = std::string(100, 'm');
     sent.push_back(message.data());
-  } while (publish(std::move(message)) == PublishStatus::kOk &&
-           (sent.size() > 1 || test::Await([&] { return begun.load(); })));
+  } while (publish(std::move(message)) == PublishStatus::kOk && (sent.size() > 1 || door.AwaitOne()));
   EXPECT_EQ(message, std::string(100, 'm'));  // NOLINT(bugprone-use-after-move): that is the test.
   EXPECT_EQ(message.data(), sent.back()) << "it was copied";
   sent.pop_back();
@@ -410,10 +382,10 @@ TEST(DataGraph, MovesFromAMessageOnlyIfItIsTaken) {
   EXPECT_EQ(publish.Wait(std::move(shared), now), PublishStatus::kTimedOut);    // NOLINT(bugprone-use-after-move)
   EXPECT_EQ(publish.Wait(std::move(constant), now), PublishStatus::kTimedOut);  // NOLINT(bugprone-use-after-move)
   EXPECT_TRUE(unique != nullptr && shared != nullptr && constant != nullptr) << "a refused message was taken";
-  door.count_down();
-  EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  door.Open();
+  EXPECT_TRUE(WaitIdle(graph));
   EXPECT_EQ(seen, sent) << "copies were delivered";
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

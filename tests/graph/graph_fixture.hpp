@@ -1,9 +1,14 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "hgros/graph/data_graph.hpp"
@@ -20,14 +25,7 @@ class Heard {
       lines_.emplace_back(text);
     });
   }
-  [[nodiscard]] bool Contains(std::string_view part) const {
-    const std::scoped_lock lock(mutex_);
-    for (const std::string& line : lines_) {
-      if (line.find(part) != std::string::npos) return true;
-    }
-    return false;
-  }
-
+  [[nodiscard]] bool Contains(std::string_view part) const { return Count(part) > 0; }
   [[nodiscard]] std::size_t Count(std::string_view part) const {
     const std::scoped_lock lock(mutex_);
     return static_cast<std::size_t>(
@@ -50,14 +48,25 @@ class Collected {
     const std::scoped_lock lock(mutex_);
     return values_;
   }
-  [[nodiscard]] std::size_t size() const {
-    const std::scoped_lock lock(mutex_);
-    return values_.size();
-  }
+  [[nodiscard]] std::size_t size() const { return values().size(); }
 
  private:
   mutable std::mutex mutex_;
   std::vector<int> values_;
+};
+
+/// A door that counts those that have come to it.
+class CountingDoor : private Door {
+ public:
+  using Door::Open;
+  void Pass() {
+    ++came;
+    Door::Pass();
+  }
+  [[nodiscard]] bool AwaitOne() const {
+    return Await([this] { return came > 0; });
+  }
+  std::atomic<int> came{0};
 };
 
 [[nodiscard]] inline NodeOptions Options(Executor executor, Queue queue = {}, std::string name = {}) {
@@ -73,5 +82,53 @@ class Collected {
   for (int i = from; i < to; ++i) values.push_back(i);
   return values;
 }
+
+[[nodiscard]] inline GraphOptions Workers(int threads) {
+  return {.threads = threads, .overrides = {}, .publisher = {}};
+}
+
+[[nodiscard]] inline Subscription Collect(DataGraph& graph, Collected& into, NodeOptions options,
+                                          std::string_view channel = "c") {
+  return graph.FromGraph<int>(
+      channel, Invoke::kSerial, [&into](const int& value) { into.Add(value); }, std::move(options));
+}
+
+[[nodiscard]] inline bool WaitIdle(const DataGraph& graph) {
+  return graph.WaitIdle(std::chrono::steady_clock::now() + kPatience);
+}
+
+/// Calls action(t, 0), action(t, 1)... in each of these threads t, and waits for their ends.
+inline void InThreads(int threads, int each, const std::function<void(int, int)>& action) {
+  std::vector<std::jthread> running;
+  for (int t = 0; t < threads; ++t) {
+    running.emplace_back([&action, each, t] {
+      for (int i = 0; i < each; ++i) action(t, i);
+    });
+  }
+}
+
+/// Keeps the messages of a subscription.
+template <class T>
+class Kept {
+ public:
+  void operator()(const std::shared_ptr<const T>& message) {
+    const std::scoped_lock lock(mutex_);
+    messages_.push_back(message);
+  }
+  [[nodiscard]] std::vector<std::shared_ptr<const T>> messages() const {
+    const std::scoped_lock lock(mutex_);
+    return messages_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<const T>> messages_;
+};
+
+/// The parameter is the number of an executor.
+class OnEveryExecutor : public testing::TestWithParam<std::size_t> {
+ protected:
+  [[nodiscard]] static Executor executor() { return AllExecutors().at(GetParam()); }
+};
 
 }  // namespace hgros::test

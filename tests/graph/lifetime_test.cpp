@@ -1,22 +1,15 @@
-#include <gtest/gtest.h>
-
 #include <optional>
 #include <random>
-#include <thread>
 
 #include "graph/graph_fixture.hpp"
+#include "graph/nodes/callback_guard.hpp"
+#include "graph/nodes/callback_scope.hpp"
 #include "support/seed.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::Options;
-
-class LifetimeOnEveryExecutor : public testing::TestWithParam<std::size_t> {
- protected:
-  [[nodiscard]] Executor executor() const { return test::AllExecutors()[GetParam()]; }
-};
+class LifetimeOnEveryExecutor : public OnEveryExecutor {};
 INSTANTIATE_TEST_SUITE_P(Lifetime, LifetimeOnEveryExecutor, testing::Values(0U, 1U, 2U));
 
 TEST_P(LifetimeOnEveryExecutor, DestroyingASubscriptionWaitsForItsCallbackAndRunsNoOther) {
@@ -42,7 +35,7 @@ TEST_P(LifetimeOnEveryExecutor, DestroyingASubscriptionWaitsForItsCallbackAndRun
 TEST_P(LifetimeOnEveryExecutor, ASubscriptionMayBeDestroyedInItsOwnCallback) {
   DataGraph graph;
   std::optional<Subscription> subscription;
-  test::Door wired;
+  Door wired;
   std::atomic<int> calls{0};
   auto captured = std::make_shared<int>(5);
   const std::weak_ptr<int> watch = captured;
@@ -62,7 +55,7 @@ TEST_P(LifetimeOnEveryExecutor, ASubscriptionMayBeDestroyedInItsOwnCallback) {
   for (int i = 0; i < 5; ++i) (void)publish(std::make_unique<int>(i));
   ASSERT_TRUE(Await([&] { return calls == 1 && watch.expired(); }));
   (void)publish(std::make_unique<int>(9));
-  EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  EXPECT_TRUE(WaitIdle(graph));
   EXPECT_EQ(calls, 1);
 }
 
@@ -91,7 +84,7 @@ TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallba
     publisher.join();
     // Either both ran, or one was closed before it began.
     EXPECT_TRUE(Await([&] { return done >= 1; }));
-    EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+    EXPECT_TRUE(WaitIdle(graph));
   }
 }
 
@@ -123,8 +116,7 @@ TEST_P(LifetimeOnEveryExecutor, GraphDestroyedUnderLoadRefusesPublishesAndStops)
 
 TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<bool> ended{false};
+  CountingDoor door;
   std::atomic<bool> returned{false};
   std::optional<Subscription> subscription;
   const auto publish = graph.Advertise<int>("c");
@@ -132,13 +124,12 @@ TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription)
       "c", Invoke::kSerial,
       [&](const int&) {
         subscription->Reset();
-        ended = true;
         door.Pass();
         returned = true;
       },
       Options(executor())));
   std::jthread publisher([&] { (void)publish(std::make_unique<int>(1)); });
-  ASSERT_TRUE(Await([&] { return ended.load(); }));
+  ASSERT_TRUE(door.AwaitOne());
   std::jthread opener([&] { door.Open(); });
   EXPECT_TRUE(subscription->Join());
   EXPECT_TRUE(returned) << "objects that the callback uses may be destroyed now";
@@ -146,19 +137,13 @@ TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription)
 }
 
 TEST_P(LifetimeOnEveryExecutor, NamesTheNodeForWhoseCallbackAnEndWaits) {
-  test::Heard heard;
-  test::Door door;
-  std::atomic<bool> begun{false};
+  Heard heard;
+  CountingDoor door;
   DataGraph graph(GraphOptions{}, heard.MakeLog());
   auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int&) {
-        begun = true;
-        door.Pass();
-      },
-      Options(executor(), {}, "stuck_planner"));
+      "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(executor(), {}, "stuck_planner"));
   std::jthread publisher([&] { (void)graph.ToGraph("c", std::make_unique<int>(1)); });
-  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  ASSERT_TRUE(door.AwaitOne());
   std::jthread opener([&] {
     EXPECT_TRUE(Await([&] {
       return heard.Contains("The end of the subscription of node \"stuck_planner\" on channel \"c\" waits");
@@ -170,19 +155,13 @@ TEST_P(LifetimeOnEveryExecutor, NamesTheNodeForWhoseCallbackAnEndWaits) {
 }
 
 TEST(Lifetime, LogsTheNodeForWhichShutdownWaits) {
-  test::Heard heard;
-  test::Door door;
-  std::atomic<bool> begun{false};
+  Heard heard;
+  CountingDoor door;
   auto graph = std::make_unique<DataGraph>(GraphOptions{}, heard.MakeLog());
   const auto subscription = graph->FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int&) {
-        begun = true;
-        door.Pass();
-      },
-      Options(Executor::Tbb(), {}, "stuck_planner"));
+      "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(Executor::Tbb(), {}, "stuck_planner"));
   (void)graph->ToGraph("c", std::make_unique<int>(1));
-  ASSERT_TRUE(Await([&] { return begun.load(); }));
+  ASSERT_TRUE(door.AwaitOne());
   std::jthread destroyer([&] { graph.reset(); });
   EXPECT_TRUE(Await([&] { return heard.Contains("stuck_planner"); }));
   door.Open();
@@ -203,11 +182,11 @@ TEST(Lifetime, SubscriptionsComeAndGoDuringPublishingAtAnyThreadCount) {
         }
       });
     }
-    std::mt19937_64 random(test::Seed());
+    std::mt19937_64 random(Seed());
     std::vector<Subscription> subscriptions;
     for (int i = 0; i < 300; ++i) {
       if (subscriptions.size() < 10 && random() % 2 == 0) {
-        const auto executors = test::AllExecutors();
+        const auto executors = AllExecutors();
         subscriptions.push_back(graph.FromGraph<int>(
             "c" + std::to_string(random() % 3), random() % 2 == 0 ? Invoke::kSerial : Invoke::kConcurrent,
             [](const int&) {}, Options(executors[random() % executors.size()])));
@@ -230,5 +209,33 @@ TEST(Lifetime, ASubscriptionMayOutliveItsGraph) {
   subscription.Reset();
 }
 
+TEST(CallbackGuard, DestroysTheCallbackOnceOutsideTheLockAndInsideTheNode) {
+  int object = 0;
+  auto* const node = reinterpret_cast<Node*>(&object);  // Only compared.
+  std::mutex mutex;
+  std::condition_variable changed;
+  CallbackGuard* guarded = nullptr;
+  int destroyed = 0;
+  const auto on_destruction = [&](const int* /*object*/) {
+    ++destroyed;
+    EXPECT_TRUE(CallbackScope::InNode(node));
+    std::unique_lock lock(mutex, std::try_to_lock);
+    ASSERT_TRUE(lock.owns_lock()) << "the callback is destroyed under the node's lock";
+    EXPECT_TRUE(guarded->destroying());
+    guarded->DestroyOnce(nullptr, node, lock,
+                         changed);  // As if an object that the callback owns closed the node again.
+    EXPECT_EQ(destroyed, 1);
+  };
+  CallbackGuard guard(
+      [captured = std::shared_ptr<const int>(&object, on_destruction)](const AnyMessage&, const MessageInfo&) {});
+  guarded = &guard;
+  std::unique_lock lock(mutex);
+  guard.DestroyOnce(nullptr, node, lock, changed);
+  EXPECT_TRUE(lock.owns_lock());
+  EXPECT_FALSE(guard.destroying());
+  guard.DestroyOnce(nullptr, node, lock, changed);
+  EXPECT_EQ(destroyed, 1);
+}
+
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

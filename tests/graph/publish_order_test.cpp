@@ -1,17 +1,10 @@
 // Messages arrive everywhere in the order in which they were published, even if an inline callback publishes them.
-#include <gtest/gtest.h>
-
 #include <list>
 
 #include "graph/graph_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Collected;
-using test::Counting;
-using test::kPatience;
-using test::Options;
 
 /// Collects the messages that leave the process.
 class Border final : public Outlet {
@@ -30,9 +23,7 @@ class Border final : public Outlet {
 class PublishOrder : public testing::TestWithParam<Invoke> {
  protected:
   void CollectOn(std::string_view channel, const Executor& executor, Queue queue = {}) {
-    nodes_.push_back(graph_.FromGraph<int>(
-        channel, Invoke::kSerial, [into = &collected_.emplace_back()](int value) { into->Add(value); },
-        Options(executor, queue)));
+    nodes_.push_back(Collect(graph_, collected_.emplace_back(), Options(executor, queue), channel));
   }
   // An inline node that answers each number below `end` with the next one.
   void CountOn(std::string_view channel, Publisher<int> answer, int end, Queue queue = {}) {
@@ -52,7 +43,7 @@ class PublishOrder : public testing::TestWithParam<Invoke> {
     return {graph_.Share(opened), Reach::kAny};
   }
   void ExpectEverywhere(const std::vector<int>& values) {
-    ASSERT_TRUE(graph_.WaitIdle(std::chrono::steady_clock::now() + kPatience));
+    ASSERT_TRUE(WaitIdle(graph_));
     for (const Collected& one : collected_) EXPECT_EQ(one.values(), values);
   }
 
@@ -66,7 +57,7 @@ TEST_P(PublishOrder, HoldsWhenAnInlineCallbackPublishesOnItsOwnChannel) {
   const auto publish = ToBorder("c");
   CollectOn("c", Executor::Inline());
   CountOn("c", publish, 5);
-  for (const Executor& executor : test::AllExecutors()) CollectOn("c", executor);
+  for (const Executor& executor : AllExecutors()) CollectOn("c", executor);
   EXPECT_EQ(publish(0), PublishStatus::kOk);
   ExpectEverywhere(Counting(0, 6));
   EXPECT_EQ(border_->left.values(), Counting(0, 6));
@@ -106,4 +97,4 @@ INSTANTIATE_TEST_SUITE_P(Inline, PublishOrder, testing::Values(Invoke::kSerial, 
                          [](const auto& one) { return one.param == Invoke::kSerial ? "Serial" : "Concurrent"; });
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

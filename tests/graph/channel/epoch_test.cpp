@@ -4,36 +4,25 @@
 
 #include <set>
 #include <thread>
-#include <vector>
 
 #include "support/await.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-TEST(Epoch, KeepsARetiredObjectUntilItsReadersHaveLeft) {
-  auto object = std::make_shared<const int>(1);
-  const std::weak_ptr<const int> watch = object;
-  {
-    const epoch::Guard guard;
-    epoch::Retire(std::move(object));
-    EXPECT_FALSE(watch.expired());
+TEST(Epoch, KeepsARetiredObjectUntilItsReadersHaveLeftOfWhichNestedOnesCountAsOne) {
+  for (const bool nested : {false, true}) {
+    auto object = std::make_shared<const int>(1);
+    const std::weak_ptr<const int> watch = object;
+    {
+      const epoch::Guard outer;
+      if (nested) const epoch::Guard inner;
+      epoch::Retire(std::move(object));
+      EXPECT_FALSE(watch.expired());
+    }
+    epoch::Collect();
+    EXPECT_TRUE(watch.expired());
   }
-  epoch::Collect();
-  EXPECT_TRUE(watch.expired());
-}
-
-TEST(Epoch, NestedGuardsCountAsOne) {
-  auto object = std::make_shared<const int>(1);
-  const std::weak_ptr<const int> watch = object;
-  {
-    const epoch::Guard outer;
-    { const epoch::Guard inner; }
-    epoch::Retire(std::move(object));
-    EXPECT_FALSE(watch.expired());
-  }
-  epoch::Collect();
-  EXPECT_TRUE(watch.expired());
 }
 
 // Destructors of thread-local and static objects may publish after the library's own thread-local objects have ended.
@@ -124,4 +113,4 @@ TEST(Epoch, ReadersNeverSeeAFreedObject) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,25 +1,19 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <array>
-#include <memory>
-#include <string_view>
-#include <thread>
 
 #include "graph/graph_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::Collected;
-using test::Counting;
-using test::Options;
+/// A message of another session, whose number is the value's.
+void Inject(DataGraph& graph, int value, std::size_t latched, std::uint64_t incarnation = 1) {
+  MessageInfo info;
+  info.id = {7, incarnation, static_cast<std::uint64_t>(value) + 1};
+  DataGraph::Inject(graph.Open("map", TypeOf<int>(), CallSite::Current()), std::make_shared<const int>(value),
+                    TypeOf<int>(), info, nullptr, latched);
+}
 
-class LatchOnEveryExecutor : public testing::TestWithParam<std::size_t> {
- protected:
-  [[nodiscard]] Executor executor() const { return test::AllExecutors()[GetParam()]; }
-};
+class LatchOnEveryExecutor : public OnEveryExecutor {};
 INSTANTIATE_TEST_SUITE_P(Latch, LatchOnEveryExecutor, testing::Values(0U, 1U, 2U));
 
 TEST_P(LatchOnEveryExecutor, LateNodeGetsLatchedMessagesOnceAndBeforeLiveOnes) {
@@ -28,8 +22,7 @@ TEST_P(LatchOnEveryExecutor, LateNodeGetsLatchedMessagesOnceAndBeforeLiveOnes) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<int>(i)), PublishStatus::kOk);
   Collected got;
   // More than the depth of the queue: latched messages do not depend on it.
-  const auto subscription = graph.FromGraph<int>(
-      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor(), Queue::KeepLast(2)));
+  const auto subscription = Collect(graph, got, Options(executor(), Queue::KeepLast(2)), "map");
   ASSERT_TRUE(Await([&] { return got.size() == 3; }));
   EXPECT_EQ(publish(std::make_unique<int>(10)), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return got.size() == 4; }));
@@ -47,9 +40,7 @@ TEST_P(LatchOnEveryExecutor, NodesAddedDuringPublishingMissNothingAndGetNothingT
   std::vector<Subscription> subscriptions;
   for (int i = 0; i < 8; ++i) {
     all.push_back(std::make_unique<Collected>());
-    subscriptions.push_back(graph.FromGraph<int>(
-        "map", Invoke::kSerial, [got = all.back().get()](const int& value) { got->Add(value); },
-        Options(executor(), Queue::KeepAll(kMessages))));
+    subscriptions.push_back(Collect(graph, *all.back(), Options(executor(), Queue::KeepAll(kMessages)), "map"));
   }
   publisher.join();
   for (const auto& got : all) {
@@ -60,24 +51,17 @@ TEST_P(LatchOnEveryExecutor, NodesAddedDuringPublishingMissNothingAndGetNothingT
 
 TEST_P(LatchOnEveryExecutor, NewNodesGetLatchedMessagesOfALostPublisherOnceWhenItReturns) {
   DataGraph graph;
-  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
-  const auto inject = [&](int value, std::uint64_t sequence) {
-    MessageInfo info;
-    info.id = {7, 1, sequence};
-    DataGraph::Inject(channel, std::make_shared<const int>(value), TypeOf<int>(), info, nullptr, 2);
-  };
-  for (int i = 0; i < 3; ++i) inject(i, static_cast<std::uint64_t>(i) + 1);
+  for (int i = 0; i < 3; ++i) Inject(graph, i, 2);
   graph.PublisherIsGone(7);
   Collected got;
-  const auto subscription = graph.FromGraph<int>(
-      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor()));
-  ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  const auto subscription = Collect(graph, got, Options(executor()), "map");
+  ASSERT_TRUE(WaitIdle(graph));
   EXPECT_EQ(got.size(), 0U) << "the publisher may be dead";
   graph.PublisherIsBack(7);
   ASSERT_TRUE(Await([&] { return got.size() == 2; }));
   graph.PublisherIsGone(7);
   graph.PublisherIsBack(7);
-  inject(3, 4);
+  Inject(graph, 3, 2);
   ASSERT_TRUE(Await([&] { return got.size() == 3; }));
   EXPECT_EQ(got.values(), Counting(1, 4));
 }
@@ -86,43 +70,33 @@ TEST_P(LatchOnEveryExecutor, NewNodesGetLatchedMessagesOfALostPublisherOnceWhenI
 TEST_P(LatchOnEveryExecutor, NewNodesGetLatchedMessagesOfALostPublisherBeforeItsNextOne) {
   for (int round = 0; round < 200; ++round) {
     DataGraph graph;
-    Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
-    const auto inject = [&](int value) {
-      MessageInfo info;
-      info.id = {7, 1, static_cast<std::uint64_t>(value) + 1};
-      DataGraph::Inject(channel, std::make_shared<const int>(value), TypeOf<int>(), info, nullptr, 3);
-    };
-    for (int i = 0; i < 3; ++i) inject(i);
+    for (int i = 0; i < 3; ++i) Inject(graph, i, 3);
     graph.PublisherIsGone(7);
     Collected got;
-    const auto subscription = graph.FromGraph<int>(
-        "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(executor()));
+    const auto subscription = Collect(graph, got, Options(executor()), "map");
     std::thread returns([&] { graph.PublisherIsBack(7); });
-    inject(3);
-    inject(4);
+    Inject(graph, 3, 3);
+    Inject(graph, 4, 3);
     returns.join();
     ASSERT_TRUE(Await([&] { return got.size() == 5; }));
     EXPECT_EQ(got.values(), Counting(0, 5));
   }
 }
 
-TEST(Latch, KeepsNothingOfALostPublisherThatHasRestarted) {
-  DataGraph graph;
-  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
-  const auto inject = [&](int value, std::uint64_t incarnation) {
-    MessageInfo info;
-    info.id = {7, incarnation, static_cast<std::uint64_t>(value) + 1};
-    DataGraph::Inject(channel, std::make_shared<const int>(value), TypeOf<int>(), info, nullptr, 3);
-  };
-  inject(0, 1);
-  inject(1, 1);
-  graph.PublisherIsGone(7);
-  Collected got;
-  const auto subscription = graph.FromGraph<int>(
-      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline()));
-  inject(2, 2);
-  graph.PublisherIsBack(7);
-  EXPECT_EQ(got.values(), Counting(2, 3));
+TEST(Latch, KeepsNothingOfAPublisherThatHasRestarted) {
+  for (const bool lost : {false, true}) {
+    const int again = lost ? 2 : 0;  // Its numbers go on, or begin again.
+    DataGraph graph;
+    Inject(graph, 0, 3);
+    Inject(graph, 1, 3);
+    if (lost) graph.PublisherIsGone(7);
+    Collected got;
+    const auto late = lost ? Collect(graph, got, Options(Executor::Inline()), "map") : Subscription();
+    Inject(graph, again, 3, 2);
+    if (lost) graph.PublisherIsBack(7);
+    const auto last = lost ? Subscription() : Collect(graph, got, Options(Executor::Inline()), "map");
+    EXPECT_EQ(got.values(), Counting(again, again + 1)) << lost;
+  }
 }
 
 TEST(Latch, RemembersOnlyAFewLostPublishers) {
@@ -223,7 +197,7 @@ TEST(Latch, ConcurrentNodeGetsLatchedMessages) {
   DataGraph graph;
   const auto publish = graph.Advertise<int>("map", 2);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(publish(std::make_unique<int>(i)), PublishStatus::kOk);
-  for (const Executor& executor : test::AllExecutors()) {
+  for (const Executor& executor : AllExecutors()) {
     std::atomic<int> count{0};
     const auto subscription = graph.FromGraph<int>(
         "map", Invoke::kConcurrent, [&](const int&) { ++count; }, Options(executor));
@@ -231,19 +205,5 @@ TEST(Latch, ConcurrentNodeGetsLatchedMessages) {
   }
 }
 
-TEST(Latch, RestartedRemotePublisherReplacesItsLatchedMessages) {
-  DataGraph graph;
-  Channel& channel = graph.Open("map", TypeOf<int>(), CallSite::Current());
-  MessageInfo info;
-  info.id = {77, 1, 1};
-  DataGraph::Inject(channel, std::make_shared<const int>(1), TypeOf<int>(), info, nullptr, 5);
-  info.id = {77, 2, 1};
-  DataGraph::Inject(channel, std::make_shared<const int>(2), TypeOf<int>(), info, nullptr, 5);
-  Collected got;
-  const auto subscription = graph.FromGraph<int>(
-      "map", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline()));
-  EXPECT_EQ(got.values(), std::vector<int>{2});
-}
-
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

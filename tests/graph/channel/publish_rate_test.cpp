@@ -2,58 +2,53 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cstdint>
 #include <thread>
-#include <vector>
 
 namespace hgros {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-// Publishes `count` messages with this period from `now` on, which becomes the time of the last one.
-void Publish(PublishRate& rate, std::uint64_t& sequence, std::int64_t& now, int count, std::int64_t period) {
-  for (int i = 0; i < count; ++i) rate.Note(++sequence, now += period);
-}
+class PublishRateTest : public testing::Test {
+ protected:
+  // Publishes this number of messages with this period.
+  void Publish(int count, std::int64_t period) {
+    for (int i = 0; i < count; ++i) rate.Note(++sequence, now += period);
+  }
+  [[nodiscard]] double HertzAfter(std::int64_t time) const { return rate.Hertz(sequence, now + time); }
 
-TEST(PublishRate, IsThatOfTheLastMessages) {
   PublishRate rate;
   std::uint64_t sequence = 0;
   std::int64_t now = 5 * kSecond;
-  EXPECT_EQ(rate.Hertz(sequence, now), 0);
-  Publish(rate, sequence, now, 1, 0);
-  EXPECT_EQ(rate.Hertz(sequence, now), 0);
-  Publish(rate, sequence, now, 1, kSecond / 10);
-  EXPECT_DOUBLE_EQ(rate.Hertz(sequence, now), 10);
-  Publish(rate, sequence, now, 1000, kSecond / 100);
-  EXPECT_NEAR(rate.Hertz(sequence, now), 100, 1e-6);
-  Publish(rate, sequence, now, 60, kSecond / 20);  // 3 s at another rate.
-  EXPECT_NEAR(rate.Hertz(sequence, now), 20, 1e-6);
+};
+
+TEST_F(PublishRateTest, IsThatOfTheLastMessages) {
+  EXPECT_EQ(HertzAfter(0), 0);
+  Publish(1, 0);
+  EXPECT_EQ(HertzAfter(0), 0);
+  Publish(1, kSecond / 10);
+  EXPECT_DOUBLE_EQ(HertzAfter(0), 10);
+  Publish(1000, kSecond / 100);
+  EXPECT_NEAR(HertzAfter(0), 100, 1e-6);
+  Publish(60, kSecond / 20);  // 3 s at another rate.
+  EXPECT_NEAR(HertzAfter(0), 20, 1e-6);
 }
 
-TEST(PublishRate, IsSteadyForSlowChannels) {
-  PublishRate rate;
-  std::uint64_t sequence = 0;
-  std::int64_t now = kSecond;
-  for (int i = 0; i < 100; ++i) {
-    Publish(rate, sequence, now, 1, 10 * kSecond);
-    if (i > 0) {
-      EXPECT_NEAR(rate.Hertz(sequence, now + 9 * kSecond), 0.1, 1e-9) << i;
-    }
+TEST_F(PublishRateTest, IsSteadyForSlowChannels) {
+  Publish(1, 10 * kSecond);
+  for (int i = 1; i < 100; ++i) {
+    Publish(1, 10 * kSecond);
+    EXPECT_NEAR(HertzAfter(9 * kSecond), 0.1, 1e-9) << i;
   }
 }
 
-TEST(PublishRate, FallsWhenNoMessageComes) {
-  PublishRate rate;
-  std::uint64_t sequence = 0;
-  std::int64_t now = kSecond;
-  Publish(rate, sequence, now, 300, kSecond / 100);
-  EXPECT_NEAR(rate.Hertz(sequence, now + kSecond / 100), 100, 1e-6);
-  EXPECT_LT(rate.Hertz(sequence, now + kSecond), 90);
-  EXPECT_NEAR(rate.Hertz(sequence, now + 10 * kSecond), 0.1, 1e-9);  // A sensor that died must not look alive.
-  EXPECT_NEAR(rate.Hertz(sequence, now + 1000 * kSecond), 0.001, 1e-9);
+TEST_F(PublishRateTest, FallsWhenNoMessageComes) {
+  Publish(300, kSecond / 100);
+  EXPECT_NEAR(HertzAfter(kSecond / 100), 100, 1e-6);
+  EXPECT_LT(HertzAfter(kSecond), 90);
+  EXPECT_NEAR(HertzAfter(10 * kSecond), 0.1, 1e-9);  // A sensor that died must not look alive.
+  EXPECT_NEAR(HertzAfter(1000 * kSecond), 0.001, 1e-9);
 }
 
 TEST(PublishRate, IsRightAfterSeveralThreadsHavePublished) {

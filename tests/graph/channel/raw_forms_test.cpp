@@ -1,8 +1,4 @@
-#include <gtest/gtest.h>
-
 #include <array>
-#include <atomic>
-#include <thread>
 
 #include <foxglove/Point3.pb.h>
 #include <foxglove/RawImage.pb.h>
@@ -14,28 +10,24 @@
 #include "hgros/codec/message.hpp"
 #include "hgros/codec/raw_message.hpp"
 
-namespace hgros::raw_forms_test {
+namespace hgros::test::raw_forms_test {
 namespace {
 
 using foxglove::Point3;
 using foxglove::Vector3;
-using test::AllExecutors;
-using test::kPatience;
-using test::Options;
 
 constexpr Invoke kSerial = Invoke::kSerial;
 
-/// Keeps its messages.
-template <class T>
-struct Kept {
-  void operator()(const std::shared_ptr<const T>& message) { messages.push_back(message); }
-  std::vector<std::shared_ptr<const T>> messages;
-};
 using KeptRaw = Kept<RawMessage>;
 
 Subscription Raw(DataGraph& graph, std::string_view channel, KeptRaw& kept, NodeOptions options = {}) {
   return graph.Subscribe(graph.Open(channel, AnyType(), CallSite::Current()), AnyType(), kSerial,
                          EraseCallback<RawMessage>(std::ref(kept)), std::move(options));
+}
+
+std::shared_ptr<const MessageSchema> VectorSchema() {
+  static const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
+  return schema;
 }
 
 Vector3 Vector(double x) {
@@ -66,27 +58,7 @@ bool Inject(DataGraph& graph, std::string_view channel, AnyMessage message, std:
                            latched);
 }
 
-bool WaitIdle(const DataGraph& graph) { return graph.WaitIdle(std::chrono::steady_clock::now() + kPatience); }
-
-TEST(RawForms, RawSubscriberGetsTheBytesThatWouldBeSent) {
-  for (const Executor& executor : AllExecutors()) {
-    DataGraph graph;
-    KeptRaw raw;
-    Kept<Vector3> typed;
-    const auto one = Raw(graph, "v", raw, Options(executor));
-    const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed), Options(executor));
-    graph.ToGraph("v", Sent(1));
-    graph.ToGraph("v", Sent(2));
-    ASSERT_TRUE(WaitIdle(graph));
-    ASSERT_EQ(raw.messages.size(), 2U);
-    ASSERT_EQ(typed.messages.size(), 2U);
-    EXPECT_EQ(XOf(*raw.messages[1]), 2);
-    EXPECT_EQ(*raw.messages[0]->schema, SchemaOf(TypeOf<Vector3>()));
-    EXPECT_EQ(raw.messages[0]->schema, raw.messages[1]->schema) << "one object for all";
-  }
-}
-
-TEST(RawForms, EncodesALocalMessageOnceForAllRawNodes) {
+TEST(RawForms, RawNodesGetTheBytesThatWouldBeSentEncodedOnceForAll) {
   for (const Executor& executor : AllExecutors()) {
     DataGraph graph;
     std::array<KeptRaw, 3> kept;
@@ -97,25 +69,26 @@ TEST(RawForms, EncodesALocalMessageOnceForAllRawNodes) {
     for (int i = 0; i < 5; ++i) graph.ToGraph("v", Sent(i));
     ASSERT_TRUE(WaitIdle(graph));
     EXPECT_EQ(graph.Snapshot().channels.at(0).converted, 5U);
+    const auto raw = kept[0].messages();
     for (const KeptRaw& one : kept) {
-      ASSERT_EQ(one.messages.size(), 5U);
-      EXPECT_EQ(one.messages[4], kept[0].messages[4]) << "the same object";
-      EXPECT_EQ(XOf(*one.messages[4]), 4);
+      ASSERT_EQ(one.messages().size(), 5U);
+      EXPECT_EQ(one.messages()[4], raw[4]) << "the same object";
+      EXPECT_EQ(XOf(*one.messages()[4]), 4);
     }
-    ASSERT_EQ(typed.messages.size(), 5U);
-    EXPECT_EQ(typed.messages[4]->x(), 4);
+    EXPECT_EQ(XOf(*raw[1]), 1);
+    EXPECT_EQ(*raw[0]->schema, SchemaOf(TypeOf<Vector3>()));
+    EXPECT_EQ(raw[0]->schema, raw[1]->schema) << "one object for all";
+    ASSERT_EQ(typed.messages().size(), 5U);
+    EXPECT_EQ(typed.messages()[4]->x(), 4);
   }
 }
 
 TEST(RawForms, NodesExpectOneFormAgainWhenTheLastObserverHasGone) {
-  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
   const auto core = std::make_shared<GraphCore>(GraphOptions{}, std::make_shared<hgros::Log>());
   Channel& channel = core->Open("v", TypeOf<Vector3>(), CallSite::Current());
   const auto add = [&](const TypeInfo& type) {
-    NodeOptions options;
-    options.executor = Executor::Inline();
     return core->Subscribe(
-        channel, type, kSerial, [](const AnyMessage&, const MessageInfo&) {}, options);
+        channel, type, kSerial, [](const AnyMessage&, const MessageInfo&) {}, Options(Executor::Inline()));
   };
   const auto publish = [&] {
     Publish(channel, OfferOf<Vector3>(std::make_shared<const Vector3>(Vector(1))), Reach::kGraph);
@@ -125,7 +98,7 @@ TEST(RawForms, NodesExpectOneFormAgainWhenTheLastObserverHasGone) {
     EXPECT_FALSE(typed->expects_two_forms());
     const auto raw = add(AnyType());
     EXPECT_TRUE(typed->expects_two_forms());
-    AnyMessage arrived = Arrived(schema, Vector(2).SerializeAsString());
+    AnyMessage arrived = Arrived(VectorSchema(), Vector(2).SerializeAsString());
     (void)channel.Inject(arrived, AnyType(), MessageInfo{}, nullptr, 0, UserCode::kAllowed);
     publish();
     EXPECT_TRUE(typed->expects_two_forms()) << "an observer is there";
@@ -141,7 +114,6 @@ TEST(RawForms, NodesExpectOneFormAgainWhenTheLastObserverHasGone) {
 }
 
 TEST(RawForms, TypedNodesReadRawMessagesWhileObserversComeAndGo) {
-  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
   for (const Executor& executor : AllExecutors()) {
     DataGraph graph;
     std::atomic<int> wrong{0};
@@ -156,18 +128,17 @@ TEST(RawForms, TypedNodesReadRawMessagesWhileObserversComeAndGo) {
     std::atomic<bool> stop{false};
     std::jthread arriving([&] {
       const std::string bytes = Vector(7).SerializeAsString();
-      while (!stop) Inject(graph, "v", Arrived(schema, bytes));
+      while (!stop) Inject(graph, "v", Arrived(VectorSchema(), bytes));
     });
     std::jthread publishing([&] {
       while (!stop) graph.ToGraph("v", Sent(7));
     });
     const auto more_arrive = [&] {
       const int before = typed;
-      return test::Await([&] { return typed > before + 10; });
+      return Await([&] { return typed > before + 10; });
     };
     for (int round = 0; round < 50; ++round) {
-      KeptRaw first;
-      KeptRaw second;
+      KeptRaw first, second;
       {
         const auto one = Raw(graph, "v", first, Options(Executor::Inline()));
         const auto two = Raw(graph, "v", second, Options(Executor::Inline()));
@@ -192,7 +163,7 @@ TEST(RawForms, RawNodeDoesNotFixTheTypeOfTheChannel) {
   EXPECT_EQ(graph.Snapshot().channels.at(0).type, "foxglove.Vector3");
   EXPECT_THROW((void)graph.Advertise<Point3>("v"), TypeMismatch);
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_EQ(raw.messages.size(), 1U);
+  EXPECT_EQ(raw.messages().size(), 1U);
 }
 
 TEST(RawForms, TypedNodesGetRemoteBytesDecoded) {
@@ -200,59 +171,53 @@ TEST(RawForms, TypedNodesGetRemoteBytesDecoded) {
   KeptRaw raw;
   Kept<Vector3> typed;
   const auto one = Raw(graph, "v", raw);
-  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
-  const AnyMessage first = Arrived(schema, Vector(1).SerializeAsString());
+  const AnyMessage first = Arrived(VectorSchema(), Vector(1).SerializeAsString());
   ASSERT_TRUE(Inject(graph, "v", first));
   const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed));
   EXPECT_TRUE(IsAnyType(DataGraph::InboundType(graph.Open("v", AnyType(), CallSite::Current()))));
-  ASSERT_TRUE(Inject(graph, "v", Arrived(schema, Vector(2).SerializeAsString())));
+  ASSERT_TRUE(Inject(graph, "v", Arrived(VectorSchema(), Vector(2).SerializeAsString())));
   ASSERT_TRUE(WaitIdle(graph));
-  ASSERT_EQ(raw.messages.size(), 2U);
-  EXPECT_EQ(raw.messages[0].get(), first.get()) << "the message was copied";
-  ASSERT_EQ(typed.messages.size(), 1U);
-  EXPECT_EQ(typed.messages[0]->x(), 2);
+  ASSERT_EQ(raw.messages().size(), 2U);
+  EXPECT_EQ(raw.messages()[0].get(), first.get()) << "the message was copied";
+  ASSERT_EQ(typed.messages().size(), 1U);
+  EXPECT_EQ(typed.messages()[0]->x(), 2);
 }
 
 TEST(RawForms, TypedNodesGetNoMessagesOfAnotherType) {
-  test::Heard heard;
+  Heard heard;
   DataGraph graph({}, heard.MakeLog());
   KeptRaw raw;
   Kept<Vector3> typed;
   const auto one = Raw(graph, "v", raw);
   const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed), {.name = "typed"});
   ASSERT_TRUE(Inject(graph, "v", Arrived(std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Point3>())), "")));
-  ASSERT_TRUE(Inject(graph, "v", Arrived(std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>())), "\xff")));
+  ASSERT_TRUE(Inject(graph, "v", Arrived(VectorSchema(), "\xff")));
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_EQ(raw.messages.size(), 2U);
-  EXPECT_TRUE(typed.messages.empty());
+  EXPECT_EQ(raw.messages().size(), 2U);
+  EXPECT_TRUE(typed.messages().empty());
   EXPECT_EQ(graph.Snapshot().channels.at(0).not_converted, 2U);
   EXPECT_TRUE(heard.Contains("Node \"typed\" on channel \"v\" missed a message"));
 }
 
-TEST(RawForms, LateRawNodeGetsLatchedRemoteBytes) {
+TEST(RawForms, LateRawNodeGetsLatchedRemoteBytesAndLocalMessages) {
   DataGraph graph;
   KeptRaw raw, late;
   Kept<Vector3> typed;
   const auto one = Raw(graph, "v", raw);
-  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
-  ASSERT_TRUE(Inject(graph, "v", Arrived(schema, Vector(3).SerializeAsString()), 1));
+  ASSERT_TRUE(Inject(graph, "v", Arrived(VectorSchema(), Vector(3).SerializeAsString()), 1));
   const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed));
   const auto three = Raw(graph, "v", late);
   ASSERT_TRUE(WaitIdle(graph));
-  ASSERT_EQ(typed.messages.size(), 1U);
-  EXPECT_EQ(typed.messages[0]->x(), 3);
-  EXPECT_EQ(late.messages, raw.messages);
-}
-
-TEST(RawForms, LateRawNodeGetsLatchedLocalMessages) {
-  DataGraph graph;
-  const auto publish = graph.Advertise<Vector3>("v", 1);
+  ASSERT_EQ(typed.messages().size(), 1U);
+  EXPECT_EQ(typed.messages()[0]->x(), 3);
+  EXPECT_EQ(late.messages(), raw.messages());
+  const auto publish = graph.Advertise<Vector3>("local", 1);
   publish(Sent(4));
-  KeptRaw raw;
-  const auto one = Raw(graph, "v", raw);
+  KeptRaw local;
+  const auto four = Raw(graph, "local", local);
   ASSERT_TRUE(WaitIdle(graph));
-  ASSERT_EQ(raw.messages.size(), 1U);
-  EXPECT_EQ(XOf(*raw.messages[0]), 4);
+  ASSERT_EQ(local.messages().size(), 1U);
+  EXPECT_EQ(XOf(*local.messages()[0]), 4);
 }
 
 TEST(RawForms, PlainBulkAndRawSubscribersShareOneChannel) {
@@ -267,14 +232,14 @@ TEST(RawForms, PlainBulkAndRawSubscribersShareOneChannel) {
   Image image;
   image.set_data("abc");
   graph.ToGraph("image", std::make_unique<Image>(image));
-  const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Image>()));
-  ASSERT_TRUE(Inject(graph, "image", Arrived(schema, image.SerializeAsString())));
+  const auto of_image = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Image>()));
+  ASSERT_TRUE(Inject(graph, "image", Arrived(of_image, image.SerializeAsString())));
   ASSERT_TRUE(WaitIdle(graph));
-  ASSERT_EQ(raw.messages.size(), 2U);
-  ASSERT_EQ(plain.messages.size(), 2U);
-  ASSERT_EQ(bulk.messages.size(), 2U);
-  for (const auto& one_plain : plain.messages) EXPECT_EQ(one_plain->data(), "abc");
-  for (const auto& one_bulk : bulk.messages) EXPECT_EQ(AsText(one_bulk->bytes()), "abc");
+  ASSERT_EQ(raw.messages().size(), 2U);
+  ASSERT_EQ(plain.messages().size(), 2U);
+  ASSERT_EQ(bulk.messages().size(), 2U);
+  for (const auto& one_plain : plain.messages()) EXPECT_EQ(one_plain->data(), "abc");
+  for (const auto& one_bulk : bulk.messages()) EXPECT_EQ(AsText(one_bulk->bytes()), "abc");
 }
 
 TEST(RawForms, LocalTypesHaveNoBytes) {
@@ -286,7 +251,7 @@ TEST(RawForms, LocalTypesHaveNoBytes) {
   const auto one = Raw(graph, "local", raw);
   graph.ToGraph("local", std::make_unique<Local>());
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_TRUE(raw.messages.empty());
+  EXPECT_TRUE(raw.messages().empty());
   EXPECT_EQ(graph.Snapshot().channels.at(0).not_converted, 1U);
 }
 
@@ -296,9 +261,9 @@ TEST(RawForms, NodesCanBeAddedDuringPublishing) {
     DataGraph graph;
     KeptRaw first;
     const auto raw = Raw(graph, "v", first, Options(Executor::Tbb(), Queue::KeepAll(2000)));
-    const auto schema = std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Vector3>()));
     std::jthread arrives([&] {
-      for (int i = 0; i < 200; ++i) ASSERT_TRUE(Inject(graph, "v", Arrived(schema, Vector(1).SerializeAsString())));
+      for (int i = 0; i < 200; ++i)
+        ASSERT_TRUE(Inject(graph, "v", Arrived(VectorSchema(), Vector(1).SerializeAsString())));
     });
     std::jthread publishes([&] {
       for (int i = 0; i < 200; ++i) ASSERT_EQ(graph.ToGraph("v", Sent(1)), PublishStatus::kOk);
@@ -312,12 +277,12 @@ TEST(RawForms, NodesCanBeAddedDuringPublishing) {
     arrives.join();
     publishes.join();
     ASSERT_TRUE(WaitIdle(graph));
-    EXPECT_EQ(first.messages.size(), 400U);
+    EXPECT_EQ(first.messages().size(), 400U);
     for (const auto& one : typed) {
-      for (const auto& message : one.messages) ASSERT_EQ(message->x(), 1);
+      for (const auto& message : one.messages()) ASSERT_EQ(message->x(), 1);
     }
   }
 }
 
 }  // namespace
-}  // namespace hgros::raw_forms_test
+}  // namespace hgros::test::raw_forms_test

@@ -1,16 +1,6 @@
 // A channel that is used with a protobuf class and with Bulk of it.
 #include "graph/channel/two_forms.hpp"
 
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <memory>
-#include <mutex>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "foxglove/CompressedImage.pb.h"
 #include "foxglove/RawImage.pb.h"
 #include "graph/graph_fixture.hpp"
@@ -18,14 +8,10 @@
 #include "hgros/codec/message.hpp"
 #include "hgros/internal/graph/outlet.hpp"
 
-namespace hgros::two_forms_test {
+namespace hgros::test::two_forms_test {
 namespace {
 
 using foxglove::RawImage;
-using test::AllExecutors;
-using test::Await;
-using test::kPatience;
-using test::Options;
 using BulkImage = Bulk<RawImage>;
 
 constexpr Invoke kSerial = Invoke::kSerial;
@@ -47,36 +33,12 @@ std::unique_ptr<RawImage> MakePlain(const std::string& text) {
 std::string TextOf(const RawImage& image) { return image.data(); }
 std::string TextOf(const BulkImage& image) { return std::string(AsText(image.bytes())); }
 
-/// Keeps the messages of a subscription.
 template <class T>
-class Kept {
- public:
-  void operator()(const std::shared_ptr<const T>& message) {
-    const std::scoped_lock lock(mutex_);
-    messages_.push_back(message);
-  }
-  [[nodiscard]] std::vector<std::shared_ptr<const T>> messages() const {
-    const std::scoped_lock lock(mutex_);
-    return messages_;
-  }
-  [[nodiscard]] std::vector<std::string> texts() const {
-    std::vector<std::string> texts;
-    for (const auto& message : messages()) texts.push_back(TextOf(*message));
-    return texts;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<std::shared_ptr<const T>> messages_;
-};
-
-GraphOptions FourWorkers() {
-  GraphOptions options;
-  options.threads = 4;
-  return options;
+std::vector<std::string> TextsOf(const Kept<T>& kept) {
+  std::vector<std::string> texts;
+  for (const auto& message : kept.messages()) texts.push_back(TextOf(*message));
+  return texts;
 }
-
-bool WaitIdle(const DataGraph& graph) { return graph.WaitIdle(std::chrono::steady_clock::now() + kPatience); }
 
 ChannelSnapshot Only(const DataGraph& graph) { return graph.Snapshot().channels.at(0); }
 
@@ -90,8 +52,8 @@ TEST(TwoForms, EachSubscriberGetsTheTypeItAskedFor) {
     ASSERT_EQ(graph.ToGraph("image", MakePlain("a")), PublishStatus::kOk);
     ASSERT_EQ(graph.ToGraph("image", MakeBulk("b")), PublishStatus::kOk);
     ASSERT_TRUE(WaitIdle(graph));
-    EXPECT_EQ(plain.texts(), (std::vector<std::string>{"a", "b"}));
-    EXPECT_EQ(bulk.texts(), (std::vector<std::string>{"a", "b"}));
+    EXPECT_EQ(TextsOf(plain), (std::vector<std::string>{"a", "b"}));
+    EXPECT_EQ(TextsOf(bulk), (std::vector<std::string>{"a", "b"}));
     EXPECT_EQ(plain.messages()[1]->width(), 7U);
     EXPECT_EQ(bulk.messages()[0]->head().width(), 7U);
   }
@@ -118,7 +80,7 @@ TEST(TwoForms, SubscriberOfThePublishedTypeGetsTheSameObject) {
 
 TEST(TwoForms, ConvertsAMessageOnceForAllSubscribers) {
   for (const Executor& executor : AllExecutors()) {
-    DataGraph graph(FourWorkers());
+    DataGraph graph(Workers(4));
     constexpr std::size_t kNodes = 6, kMessages = 50;
     std::vector<Kept<RawImage>> kept(kNodes);
     std::vector<Subscription> subscriptions;
@@ -152,42 +114,30 @@ TEST(TwoForms, ConvertsNothingWithoutASubscriberOfTheOtherType) {
 
 TEST(TwoForms, DoesNotConvertDroppedMessages) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<int> got{0};
+  CountingDoor door;
   const auto subscription = graph.FromGraph<RawImage>(
-      "image", kSerial,
-      [&](const RawImage&) {
-        ++got;
-        door.Pass();
-      },
-      Options(Executor::Dedicated(), Queue::Latest()));
+      "image", kSerial, [&](const RawImage&) { door.Pass(); }, Options(Executor::Dedicated(), Queue::Latest()));
   const auto publish = graph.Advertise<BulkImage>("image");
   publish(MakeBulk("first"));
-  ASSERT_TRUE(Await([&] { return got == 1; }));
+  ASSERT_TRUE(door.AwaitOne());
   for (int i = 0; i < 10; ++i) publish(MakeBulk("x"));
   door.Open();
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_EQ(got, 2);
+  EXPECT_EQ(door.came, 2);
   EXPECT_EQ(Only(graph).converted, 2U);
 }
 
 TEST(TwoForms, ConvertsAMessageOnlyWhenItsCallbackRuns) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<int> got{0};
+  CountingDoor door;
   const auto slow = graph.FromGraph<RawImage>(
-      "image", kSerial,
-      [&](const RawImage&) {
-        door.Pass();
-        ++got;
-      },
-      Options(Executor::Dedicated(), Queue::KeepAll(10)));
+      "image", kSerial, [&](const RawImage&) { door.Pass(); }, Options(Executor::Dedicated(), Queue::KeepAll(10)));
   const auto publish = graph.Advertise<BulkImage>("image");
   for (int i = 0; i < 3; ++i) ASSERT_EQ(publish(MakeBulk("x")), PublishStatus::kOk);
   EXPECT_LE(Only(graph).converted, 1U) << "waiting messages are not converted yet";
   door.Open();
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_EQ(got, 3);
+  EXPECT_EQ(door.came, 3);
   EXPECT_EQ(Only(graph).converted, 3U);
 }
 
@@ -199,21 +149,16 @@ TEST(TwoForms, LatchedMessagesReachLateNodesOfTheOtherType) {
   const auto one = graph.FromGraph<BulkImage>("image", kSerial, std::ref(first));
   const auto two = graph.FromGraph<BulkImage>("image", kSerial, std::ref(second));
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_EQ(first.texts(), (std::vector<std::string>{"b", "c"}));
+  EXPECT_EQ(TextsOf(first), (std::vector<std::string>{"b", "c"}));
   EXPECT_EQ(first.messages(), second.messages());
   EXPECT_EQ(Only(graph).converted, 2U);
 }
 
 TEST(TwoForms, FullLosslessNodeRefusesMessagesOfBothTypes) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<int> got{0};
+  CountingDoor door;
   const auto subscription = graph.FromGraph<RawImage>(
-      "image", kSerial,
-      [&](const RawImage&) {
-        door.Pass();
-        ++got;
-      },
+      "image", kSerial, [&](const RawImage&) { door.Pass(); },
       Options(Executor::Dedicated(), Queue::KeepAll(2, 1 << 20)));
   const auto publish = graph.Advertise<BulkImage>("image");
   int sent = 0;
@@ -226,12 +171,12 @@ TEST(TwoForms, FullLosslessNodeRefusesMessagesOfBothTypes) {
   EXPECT_GE(sent, 2);
   door.Open();
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_EQ(got, sent);
+  EXPECT_EQ(door.came, sent);
 }
 
 TEST(TwoForms, ByteLimitCountsThePublishedType) {
   DataGraph graph;
-  test::Door door;
+  Door door;
   const auto subscription = graph.FromGraph<RawImage>(
       "image", kSerial, [&](const RawImage&) { door.Pass(); },
       Options(Executor::Dedicated(), Queue::KeepAll(100, 300'000)));
@@ -245,7 +190,7 @@ TEST(TwoForms, ByteLimitCountsThePublishedType) {
 }
 
 TEST(TwoForms, LogsAndCountsFailedConversions) {
-  test::Heard heard;
+  Heard heard;
   DataGraph graph({}, heard.MakeLog());
   Kept<RawImage> plain;
   Kept<BulkImage> bulk;
@@ -256,8 +201,8 @@ TEST(TwoForms, LogsAndCountsFailedConversions) {
   graph.ToGraph("image", std::move(contradiction));
   graph.ToGraph("image", MakeBulk("good"));
   ASSERT_TRUE(WaitIdle(graph));
-  EXPECT_EQ(plain.texts(), std::vector<std::string>{"good"});
-  EXPECT_EQ(bulk.texts(), (std::vector<std::string>{"these", "good"}));
+  EXPECT_EQ(TextsOf(plain), std::vector<std::string>{"good"});
+  EXPECT_EQ(TextsOf(bulk), (std::vector<std::string>{"these", "good"}));
   EXPECT_EQ(Only(graph).not_converted, 1U);
   EXPECT_TRUE(heard.Contains("Node \"viewer\" on channel \"image\" missed a message"));
 }
@@ -317,8 +262,8 @@ TEST(TwoForms, RemoteMessagesAreDecodedForTheNodeThatReadsInPlace) {
     ASSERT_EQ(type.cpp_type, typeid(BulkImage));
     ASSERT_TRUE(DataGraph::Inject(channel, AnyMessage(MakeBulk("x")), type, {}, nullptr, 0));
     ASSERT_TRUE(WaitIdle(graph));
-    EXPECT_EQ(plain.texts(), std::vector<std::string>{"x"});
-    EXPECT_EQ(bulk.texts(), std::vector<std::string>{"x"});
+    EXPECT_EQ(TextsOf(plain), std::vector<std::string>{"x"});
+    EXPECT_EQ(TextsOf(bulk), std::vector<std::string>{"x"});
   }
   EXPECT_EQ(DataGraph::InboundType(channel).cpp_type, typeid(RawImage)) << "the last bulk node has gone";
 }
@@ -340,12 +285,12 @@ TEST(TwoForms, RepublishedMessageHasTheTypeOfItsNewChannel) {
   ASSERT_TRUE(WaitIdle(graph));
   ASSERT_EQ(there.messages().size(), 1U);
   EXPECT_EQ(there.messages()[0]->head().width(), 7U);
-  EXPECT_EQ(there.texts(), std::vector<std::string>{""});
+  EXPECT_EQ(TextsOf(there), std::vector<std::string>{""});
 }
 
 TEST(TwoForms, SecondTypeCanBeAddedDuringPublishing) {
   for (int round = 0; round < 20; ++round) {
-    DataGraph graph(FourWorkers());
+    DataGraph graph(Workers(4));
     std::atomic<int> plain_got{0};
     std::atomic<int> bulk_got{0};
     std::atomic<bool> stop{false};
@@ -372,4 +317,4 @@ TEST(TwoForms, SecondTypeCanBeAddedDuringPublishing) {
 }
 
 }  // namespace
-}  // namespace hgros::two_forms_test
+}  // namespace hgros::test::two_forms_test

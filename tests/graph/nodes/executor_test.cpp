@@ -1,21 +1,14 @@
 #include "hgros/graph/executor.hpp"
 
-#include <gtest/gtest.h>
 #include <sched.h>
 
-#include <atomic>
 #include <set>
-#include <thread>
-#include <vector>
 
 #include "graph/graph_fixture.hpp"
 #include "hgros/base/error.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Options;
 
 TEST(Executor, RefusesPrioritiesAndCpusThatDoNotExist) {
   EXPECT_THROW((void)Executor::Dedicated({}, 100), Error);
@@ -59,7 +52,7 @@ TEST(Executor, DedicatedRunsOnItsOwnThreadOnTheRequestedCpus) {
 }
 
 TEST(Executor, LogsRefusedSchedulingAndRunsWithoutIt) {
-  test::Heard heard;
+  Heard heard;
   DataGraph graph({}, heard.MakeLog());
   std::atomic<int> count{0};
   const auto subscription = graph.FromGraph<int>(
@@ -70,9 +63,7 @@ TEST(Executor, LogsRefusedSchedulingAndRunsWithoutIt) {
 }
 
 TEST(Executor, TbbRunsConcurrentCallbacksAtTheSameTime) {
-  GraphOptions options;
-  options.threads = 2;
-  DataGraph graph(options);
+  DataGraph graph(Workers(2));
   std::atomic<int> inside{0};
   std::atomic<bool> both{false};
   const auto subscription = graph.FromGraph<int>("c", Invoke::kConcurrent, [&](const int&) {
@@ -85,10 +76,8 @@ TEST(Executor, TbbRunsConcurrentCallbacksAtTheSameTime) {
 }
 
 TEST(Executor, BusySerialNodeDoesNotBlockOthers) {
-  GraphOptions options;
-  options.threads = 2;
-  DataGraph graph(options);
-  test::Door door;
+  DataGraph graph(Workers(2));
+  Door door;
   std::atomic<int> others{0};
   const auto busy = graph.FromGraph<int>("slow", Invoke::kSerial, [&](const int&) { door.Pass(); });
   const auto quick = graph.FromGraph<int>("quick", Invoke::kSerial, [&](const int&) { ++others; });
@@ -101,7 +90,7 @@ TEST(Executor, BusySerialNodeDoesNotBlockOthers) {
 }
 
 TEST(Executor, OneWorkerRunsNodesThatACallbackMadeReady) {
-  DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+  DataGraph graph(Workers(1));
   std::mutex mutex;
   std::vector<std::string> ran;
   std::set<std::thread::id> threads;
@@ -128,13 +117,13 @@ TEST(Executor, OneWorkerRunsNodesThatACallbackMadeReady) {
       },
       Options(Executor::Tbb()));
   (void)graph.ToGraph("first", std::make_unique<int>(1));
-  ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+  ASSERT_TRUE(WaitIdle(graph));
   EXPECT_EQ(ran, (std::vector<std::string>{"first", "middle", "last", "last"}));
   EXPECT_EQ(threads.size(), 1U);
 }
 
 TEST(Executor, TwoBusyNodesDoNotStarveAThirdOnOneWorker) {
-  DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+  DataGraph graph(Workers(1));
   std::atomic<bool> ends{false};
   std::atomic<int> third{0};
   const auto ball = [&](const char* to) {
@@ -156,46 +145,40 @@ TEST(Executor, TwoBusyNodesDoNotStarveAThirdOnOneWorker) {
 
 TEST(Executor, ASlowNodeWithManyMessagesTakesTurnsWithTheOthersOfOneWorker) {
   for (const bool lossless : {false, true}) {
-    DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+    DataGraph graph(Workers(1));
     std::atomic<int> slow{0};
     std::atomic<int> meanwhile{-1};
-    NodeOptions options = Options(Executor::Tbb());
-    options.queue = lossless ? Queue::KeepAll(100) : Queue::KeepLast(100);
     const auto first = graph.FromGraph<int>(
         "slow", Invoke::kSerial,
         [&](const int&) {
-          test::Linger(std::chrono::milliseconds(3));
+          Linger(std::chrono::milliseconds(3));
           ++slow;
         },
-        options);
+        Options(Executor::Tbb(), lossless ? Queue::KeepAll(100) : Queue::KeepLast(100)));
     const auto other = graph.FromGraph<int>(
         "other", Invoke::kSerial, [&](const int& before) { meanwhile = slow - before; }, Options(Executor::Tbb()));
     for (int i = 0; i < 60; ++i) (void)graph.ToGraph("slow", std::make_unique<int>(i));
     (void)graph.ToGraph("other", std::make_unique<int>(slow.load()));
     EXPECT_TRUE(Await([&] { return meanwhile >= 0; }));
     EXPECT_LT(meanwhile, 20) << "of 60";
-    EXPECT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+    EXPECT_TRUE(WaitIdle(graph));
     EXPECT_EQ(slow, 60);
   }
 }
 
 TEST(TbbExecutor, EveryGraphHasItsOwnWorkers) {
-  DataGraph one({.threads = 1, .overrides = {}, .publisher = {}});
-  DataGraph other({.threads = 2, .overrides = {}, .publisher = {}});
-  std::atomic<int> busy = 0;
-  std::atomic<bool> go_on = false;
-  const auto wait = [&](const int&) {
-    ++busy;
-    (void)Await([&] { return go_on.load(); });
-  };
+  DataGraph one(Workers(1));
+  DataGraph other(Workers(2));
+  CountingDoor door;
+  const auto wait = [&](const int&) { door.Pass(); };
   std::vector<Subscription> subscriptions;
   subscriptions.push_back(one.FromGraph<int>("c", Invoke::kSerial, wait, {}));
   for (int i = 0; i < 2; ++i) subscriptions.push_back(other.FromGraph<int>("c", Invoke::kSerial, wait, {}));
   EXPECT_EQ(one.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
   EXPECT_EQ(other.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
-  EXPECT_TRUE(Await([&] { return busy == 3; })) << busy << " of 3 callbacks run at once.";
-  go_on = true;
+  EXPECT_TRUE(Await([&] { return door.came == 3; })) << door.came << " of 3 callbacks run at once.";
+  door.Open();
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,22 +1,14 @@
-#include <gtest/gtest.h>
-
-#include <thread>
-
 #include "graph/graph_fixture.hpp"
 #include "hgros/internal/graph/outlet.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
 using std::chrono::steady_clock;
-using test::Await;
-using test::Collected;
-using test::Counting;
-using test::Options;
 
 TEST(Lossless, FullNodeFailsThePublishForAllNodes) {
   DataGraph graph;
-  test::Door door;
+  Door door;
   Collected slow;
   Collected quick;
   const auto full = graph.FromGraph<int>(
@@ -26,8 +18,7 @@ TEST(Lossless, FullNodeFailsThePublishForAllNodes) {
         door.Pass();
       },
       Options(Executor::Dedicated(), Queue::KeepAll(2)));
-  const auto other = graph.FromGraph<int>(
-      "c", Invoke::kSerial, [&](const int& value) { quick.Add(value); }, Options(Executor::Inline()));
+  const auto other = Collect(graph, quick, Options(Executor::Inline()));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(0)), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return slow.size() == 1; }));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
@@ -46,23 +37,17 @@ TEST(Lossless, FullNodeFailsThePublishForAllNodes) {
 
 TEST(Lossless, ReleasesReservedRoomWhenAnotherNodeIsFull) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<int> begun{0};
+  CountingDoor door;
   const auto roomy = graph.FromGraph<int>(
       "c", Invoke::kSerial, [](const int&) {}, Options(Executor::Inline(), Queue::KeepAll(1)));
   const auto narrow = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int&) {
-        ++begun;
-        door.Pass();
-      },
-      Options(Executor::Dedicated(), Queue::KeepAll(1)));
+      "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(Executor::Dedicated(), Queue::KeepAll(1)));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(0)), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return begun == 1; }));
+  ASSERT_TRUE(door.AwaitOne());
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(2)), PublishStatus::kFull);
   door.Open();
-  ASSERT_TRUE(Await([&] { return begun == 2; }));
+  ASSERT_TRUE(Await([&] { return door.came == 2; }));
   ASSERT_TRUE(Await([&] { return graph.ToGraph("c", std::make_unique<int>(2)) == PublishStatus::kOk; }));
   EXPECT_EQ(roomy.stats().run, 3U);
 }
@@ -75,17 +60,9 @@ TEST(Lossless, WaitingPublishersLoseNothingAtAnyThreadCount) {
         "c", Invoke::kSerial, [&](const int&) { ++count; }, Options(Executor::Tbb(), Queue::KeepAll(4)));
     const auto publish = graph.Advertise<int>("c");
     constexpr int kEach = 400;
-    {
-      std::vector<std::jthread> publishers;
-      for (int t = 0; t < threads; ++t) {
-        publishers.emplace_back([&] {
-          for (int i = 0; i < kEach; ++i) {
-            EXPECT_EQ(publish.Wait(std::make_unique<int>(i), steady_clock::now() + test::kPatience),
-                      PublishStatus::kOk);
-          }
-        });
-      }
-    }
+    InThreads(threads, kEach, [&](int, int i) {
+      EXPECT_EQ(publish.Wait(std::make_unique<int>(i), steady_clock::now() + kPatience), PublishStatus::kOk);
+    });
     EXPECT_TRUE(Await([&] { return count == threads * kEach; }));
     EXPECT_EQ(subscription.stats().dropped, 0U);
   }
@@ -93,18 +70,12 @@ TEST(Lossless, WaitingPublishersLoseNothingAtAnyThreadCount) {
 
 TEST(Lossless, WaitEndsAtDeadlineOnStopRequestAndWhenTheNodeEnds) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<int> begun{0};
+  CountingDoor door;
   auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int&) {
-        ++begun;
-        door.Pass();
-      },
-      Options(Executor::Dedicated(), Queue::KeepAll(1)));
+      "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(Executor::Dedicated(), Queue::KeepAll(1)));
   const auto publish = graph.Advertise<int>("c");
   EXPECT_EQ(publish(std::make_unique<int>(0)), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return begun == 1; }));
+  ASSERT_TRUE(door.AwaitOne());
   EXPECT_EQ(publish(std::make_unique<int>(1)), PublishStatus::kOk);
 
   auto message = std::make_unique<int>(2);
@@ -114,13 +85,13 @@ TEST(Lossless, WaitEndsAtDeadlineOnStopRequestAndWhenTheNodeEnds) {
 
   std::stop_source stop;
   std::jthread stopper([&] { stop.request_stop(); });
-  EXPECT_EQ(publish.Wait(std::move(message), steady_clock::now() + test::kPatience, stop.get_token()),
+  EXPECT_EQ(publish.Wait(std::move(message), steady_clock::now() + kPatience, stop.get_token()),
             PublishStatus::kStopped);
   EXPECT_NE(message, nullptr);
 
   std::atomic<bool> waited{false};
   std::jthread waiter([&] {
-    EXPECT_EQ(publish.Wait(std::move(message), steady_clock::now() + test::kPatience), PublishStatus::kOk);
+    EXPECT_EQ(publish.Wait(std::move(message), steady_clock::now() + kPatience), PublishStatus::kOk);
     waited = true;
   });
   std::jthread closer([&] { subscription.Reset(); });
@@ -139,7 +110,7 @@ TEST(Lossless, WaitingInsideACallbackIsRefusedAtOnce) {
         // Fill our own queue, then wait for room in it: only this callback's return could make room.
         while (publish(std::make_unique<int>(1)) == PublishStatus::kOk) {
         }
-        status = static_cast<int>(publish.Wait(std::make_unique<int>(2), steady_clock::now() + test::kPatience));
+        status = static_cast<int>(publish.Wait(std::make_unique<int>(2), steady_clock::now() + kPatience));
       },
       Options(Executor::Tbb(), Queue::KeepAll(2)));
   EXPECT_EQ(publish(std::make_unique<int>(0)), PublishStatus::kOk);
@@ -152,17 +123,12 @@ TEST(Lossless, ByteLimitCountsQueuedMessages) {
     std::byte bytes[1000];
   };
   DataGraph graph;
-  test::Door door;
-  std::atomic<int> begun{0};
+  CountingDoor door;
   const auto subscription = graph.FromGraph<Big>(
-      "c", Invoke::kSerial,
-      [&](const Big&) {
-        ++begun;
-        door.Pass();
-      },
+      "c", Invoke::kSerial, [&](const Big&) { door.Pass(); },
       Options(Executor::Dedicated(), Queue::KeepAll(1000, 2500)));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return begun == 1; }));
+  ASSERT_TRUE(door.AwaitOne());
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kOk);
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kOk);
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kFull);
@@ -195,8 +161,7 @@ TEST(Lossless, FullOutletFailsThePublishForLocalNodesToo) {
   const auto outlet = std::make_shared<CountingOutlet>();
   Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   graph.SetOutlet(channel, outlet);
-  const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial, [&](const int& value) { got.Add(value); }, Options(Executor::Inline(), Queue::KeepAll(1)));
+  const auto subscription = Collect(graph, got, Options(Executor::Inline(), Queue::KeepAll(1)));
   const Publisher<int> publish(graph.Share(channel), Reach::kAny);
   EXPECT_EQ(publish(std::make_unique<int>(1)), PublishStatus::kOk);
   outlet->full = true;
@@ -225,7 +190,7 @@ TEST(Lossless, ReleasedReservationWakesWaitingPublishers) {
   });
   const auto inside = graph.Advertise<int>("c");
   for (int i = 0; i < 2000; ++i) {
-    ASSERT_EQ(inside.Wait(std::make_unique<int>(i), steady_clock::now() + test::kPatience), PublishStatus::kOk);
+    ASSERT_EQ(inside.Wait(std::make_unique<int>(i), steady_clock::now() + kPatience), PublishStatus::kOk);
   }
   stop = true;
   EXPECT_TRUE(Await([&] { return run == 2000; }));
@@ -233,28 +198,24 @@ TEST(Lossless, ReleasedReservationWakesWaitingPublishers) {
 
 TEST(Lossless, InlineNodeThatRunsAtOnceWakesWaitingPublishers) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<bool> inside{false};
+  CountingDoor door;
   std::atomic<int> run{0};
   const auto slow = graph.FromGraph<int>(
       "c", Invoke::kSerial,
       [&](const int& value) {
-        if (value != 0) return;
-        inside = true;
-        door.Pass();
+        if (value == 0) door.Pass();
       },
       Options(Executor::Inline(), Queue::KeepAll(10)));
   const auto narrow = graph.FromGraph<int>(
       "c", Invoke::kSerial, [&](const int&) { ++run; }, Options(Executor::Inline(), Queue::KeepAll(1)));
   const auto publish = graph.Advertise<int>("c");
   std::jthread first([&] { EXPECT_EQ(publish(std::make_unique<int>(0)), PublishStatus::kOk); });
-  ASSERT_TRUE(Await([&] { return inside.load(); }));
+  ASSERT_TRUE(door.AwaitOne());
   EXPECT_EQ(publish(std::make_unique<int>(1)), PublishStatus::kFull) << "the room is taken although no message waits";
-  std::jthread second([&] {
-    EXPECT_EQ(publish.Wait(std::make_unique<int>(1), steady_clock::now() + test::kPatience), PublishStatus::kOk);
-  });
+  std::jthread second(
+      [&] { EXPECT_EQ(publish.Wait(std::make_unique<int>(1), steady_clock::now() + kPatience), PublishStatus::kOk); });
   door.Open();
-  EXPECT_TRUE(Await([&] { return run == 2; }, test::kPatience / 2));
+  EXPECT_TRUE(Await([&] { return run == 2; }, kPatience / 2));
 }
 
 TEST(Lossless, AcceptsAnOversizedMessageWhileThePreviousOneRuns) {
@@ -263,17 +224,11 @@ TEST(Lossless, AcceptsAnOversizedMessageWhileThePreviousOneRuns) {
   };
   for (const Invoke invoke : {Invoke::kSerial, Invoke::kConcurrent}) {
     DataGraph graph;
-    test::Door door;
-    std::atomic<int> begun{0};
+    CountingDoor door;
     const auto subscription = graph.FromGraph<Big>(
-        "c", invoke,
-        [&](const Big&) {
-          ++begun;
-          door.Pass();
-        },
-        Options(Executor::Tbb(), Queue::KeepAll(10, 100)));
+        "c", invoke, [&](const Big&) { door.Pass(); }, Options(Executor::Tbb(), Queue::KeepAll(10, 100)));
     EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kOk);
-    ASSERT_TRUE(Await([&] { return begun == 1; }));
+    ASSERT_TRUE(door.AwaitOne());
     EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kOk) << "the queue is empty";
     EXPECT_EQ(graph.ToGraph("c", std::make_unique<Big>()), PublishStatus::kFull);
     door.Open();
@@ -282,22 +237,16 @@ TEST(Lossless, AcceptsAnOversizedMessageWhileThePreviousOneRuns) {
 
 TEST(Lossless, CreditIsHeldUntilTheMessageLeavesTheQueue) {
   DataGraph graph;
-  test::Door door;
-  std::atomic<int> begun{0};
+  CountingDoor door;
   const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int&) {
-        ++begun;
-        door.Pass();
-      },
-      Options(Executor::Dedicated(), Queue::KeepAll(1)));
+      "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(Executor::Dedicated(), Queue::KeepAll(1)));
   Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   auto first = std::make_shared<const int>(1);
   auto second = std::make_shared<const int>(2);
   const std::weak_ptr<const int> first_watch = first;
   const std::weak_ptr<const int> second_watch = second;
   DataGraph::Inject(channel, std::make_shared<const int>(1), TypeOf<int>(), {}, std::move(first), 0);
-  ASSERT_TRUE(Await([&] { return begun == 1; }));
+  ASSERT_TRUE(door.AwaitOne());
   EXPECT_TRUE(first_watch.expired());
   DataGraph::Inject(channel, std::make_shared<const int>(2), TypeOf<int>(), {}, std::move(second), 0);
   EXPECT_FALSE(second_watch.expired());
@@ -306,4 +255,4 @@ TEST(Lossless, CreditIsHeldUntilTheMessageLeavesTheQueue) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

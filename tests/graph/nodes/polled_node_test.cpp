@@ -1,27 +1,21 @@
-#include <gtest/gtest.h>
+#include "graph/nodes/polled_node.hpp"
+
 #include <poll.h>
 
 #include <optional>
-#include <thread>
 
 #include "graph/graph_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Collected;
-using test::Counting;
-using test::Options;
 
 bool IsReadable(int descriptor, std::chrono::milliseconds patience = {}) {
   pollfd one{descriptor, POLLIN, 0};
   return poll(&one, 1, static_cast<int>(patience.count())) == 1;
 }
 
-Subscription Polled(DataGraph& graph, Collected& taken, Queue queue = {}) {
-  return graph.FromGraph<int>(
-      "c", Invoke::kSerial, [&taken](const int& value) { taken.Add(value); }, Options(Executor::Polled(), queue));
+Subscription Polled(DataGraph& graph, Collected& taken, Queue queue = {}, std::string name = {}) {
+  return Collect(graph, taken, Options(Executor::Polled(), queue, std::move(name)));
 }
 
 TEST(PolledNode, RunsOneWaitingMessageOnTheCallingThread) {
@@ -39,7 +33,7 @@ TEST(PolledNode, RunsOneWaitingMessageOnTheCallingThread) {
   EXPECT_EQ(subscription.RunWaiting(10), 1U);
 }
 
-TEST(PolledNode, DescriptorIsReadableWhileMessagesWait) {
+TEST(PolledNode, DescriptorIsReadableWhileMessagesWaitAndForLatchedOnes) {
   DataGraph graph;
   Collected taken;
   Subscription subscription = Polled(graph, taken);
@@ -53,17 +47,12 @@ TEST(PolledNode, DescriptorIsReadableWhileMessagesWait) {
   EXPECT_EQ(subscription.RunWaiting(), 1U);
   EXPECT_FALSE(IsReadable(subscription.descriptor()));
   EXPECT_EQ(taken.values(), Counting(0, 2));
-}
-
-TEST(PolledNode, DescriptorIsReadableForLatchedMessages) {
-  DataGraph graph;
-  const auto publish = graph.Advertise<int>("c", 2);
+  const auto publish = graph.Advertise<int>("latched", 2);
   (void)publish(7);
-  Collected taken;
-  Subscription subscription = Polled(graph, taken);
-  EXPECT_TRUE(IsReadable(subscription.descriptor()));
-  EXPECT_EQ(subscription.RunWaiting(5), 1U);
-  EXPECT_FALSE(IsReadable(subscription.descriptor()));
+  Subscription late = Collect(graph, taken, Options(Executor::Polled()), "latched");
+  EXPECT_TRUE(IsReadable(late.descriptor()));
+  EXPECT_EQ(late.RunWaiting(5), 1U);
+  EXPECT_FALSE(IsReadable(late.descriptor()));
 }
 
 TEST(PolledNode, DropsTheOldestAndCountsIt) {
@@ -99,13 +88,12 @@ TEST(PolledNode, EachMessageGoesToOneOfSeveralThreads) {
   std::vector<std::thread> takers;
   for (int i = 0; i < 3; ++i) {
     takers.emplace_back([&] {
-      while (taken.size() < kMessages && IsReadable(descriptor, test::kPatience)) (void)subscription.RunWaiting();
+      while (taken.size() < kMessages && IsReadable(descriptor, kPatience)) (void)subscription.RunWaiting();
     });
   }
   const auto publish = graph->Advertise<int>("c");
   for (int i = 0; i < kMessages; ++i) {
-    ASSERT_EQ(publish.Wait(std::make_unique<int>(i), std::chrono::steady_clock::now() + test::kPatience),
-              PublishStatus::kOk);
+    ASSERT_EQ(publish.Wait(std::make_unique<int>(i), std::chrono::steady_clock::now() + kPatience), PublishStatus::kOk);
   }
   ASSERT_TRUE(Await([&] { return taken.size() == kMessages; }));
   graph.reset();  // Wakes those that wait for more.
@@ -136,10 +124,7 @@ TEST(PolledNode, ConfigurationDoesNotReplaceTheExecutor) {
   options.overrides["mine"] = {Queue::KeepLast(1), Executor::Tbb()};
   DataGraph graph(options);
   Collected taken;
-  NodeOptions node = Options(Executor::Polled());
-  node.name = "mine";
-  auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial, [&taken](const int& value) { taken.Add(value); }, node);
+  Subscription subscription = Polled(graph, taken, {}, "mine");
   (void)graph.ToGraph("c", std::make_unique<int>(0));
   (void)graph.ToGraph("c", std::make_unique<int>(1));
   EXPECT_EQ(subscription.RunWaiting(5), 1U);
@@ -154,5 +139,26 @@ TEST(PolledNode, OtherExecutorsHaveNoDescriptorAndNothingToRun) {
   EXPECT_EQ(Subscription().descriptor(), -1);
 }
 
+// A publisher that has found the queue full waits for on_room.
+TEST(QueuedNode, TellsOfTheRoomThatWasReservedBeforeItClosed) {
+  int told = 0;
+  NodeSetting setting;
+  setting.queue = Queue::KeepAll(1);
+  setting.executor = Executor::Polled();
+  setting.on_room = [&told] { ++told; };
+  PolledNode node(std::move(setting), [](const AnyMessage&, const MessageInfo&) {});
+  ASSERT_TRUE(node.Reserve(0));
+  node.Close(false);
+  ASSERT_FALSE(node.Reserve(0)) << "The other publisher's message may still come.";
+  const int before = told;
+  AnyMessage message = std::make_shared<const int>(1);
+  const MessageInfo info;
+  const std::shared_ptr<const void> no_credit;
+  std::int64_t now = 0;
+  node.Deliver({message, info, no_credit}, true, now);
+  EXPECT_EQ(told, before + 1);
+  EXPECT_TRUE(node.Reserve(0));
+}
+
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,18 +1,11 @@
 #include "hgros/graph/ready_node_slot.hpp"
 
-#include <gtest/gtest.h>
-
 #include <optional>
-#include <thread>
 
 #include "graph/graph_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Door;
-using test::Options;
 
 class ReadyNodeSlotTest : public testing::Test {
  protected:
@@ -34,13 +27,16 @@ class ReadyNodeSlotTest : public testing::Test {
   void Publish(const std::string& channel) { (void)graph.ToGraph(channel, std::make_unique<int>(1)); }
   [[nodiscard]] static bool RanHere(const Node& node) { return node.thread == std::this_thread::get_id(); }
 
+  ReadyNodeSlotTest() {
+    Subscribe(one, "one");
+    Subscribe(two, "two");
+  }
+
   DataGraph graph;
+  Node one, two;
 };
 
 TEST_F(ReadyNodeSlotTest, RunsTheFirstReadyNodeOnlyInRunKept) {
-  Node one, two;
-  Subscribe(one, "one");
-  Subscribe(two, "two");
   ReadyNodeSlot slot(true);
   Publish("one");
   Publish("two");
@@ -64,7 +60,7 @@ TEST_F(ReadyNodeSlotTest, WorkerRunsHandedOverAndAbandonedNodes) {
     slot.HandToWorkers();
     EXPECT_TRUE(Await([&] { return node.count == 1; }));
     // Before its callback has returned, its thread would take the next message, too.
-    ASSERT_TRUE(graph.WaitIdle(std::chrono::steady_clock::now() + test::kPatience));
+    ASSERT_TRUE(WaitIdle(graph));
     Publish("c");
     EXPECT_EQ(node.count, 1) << "the slot keeps a node again";
   }
@@ -76,9 +72,6 @@ TEST_F(ReadyNodeSlotTest, WorkerRunsHandedOverAndAbandonedNodes) {
 }
 
 TEST_F(ReadyNodeSlotTest, OnlyOneThreadKeepsANodeAtATime) {
-  Node one, two;
-  Subscribe(one, "one");
-  Subscribe(two, "two");
   ReadyNodeSlot slot(true);
   Publish("one");
   std::jthread([&] {
@@ -106,9 +99,6 @@ TEST_F(ReadyNodeSlotTest, WorkersRunNodesThatTheKeptNodeMakesReady) {
 }
 
 TEST_F(ReadyNodeSlotTest, OpenedKeepsANodeInAClosedSlot) {
-  Node one, two;
-  Subscribe(one, "one");
-  Subscribe(two, "two");
   ReadyNodeSlot slot(false);
   {
     const ReadyNodeSlot::Opened opened;
@@ -161,15 +151,11 @@ TEST_F(ReadyNodeSlotTest, DoesNotRunANodeThatHasEnded) {
 TEST_F(ReadyNodeSlotTest, ChannelRequestsRunNodeOnlyIfAWorkerWouldHaveToBeWoken) {
   Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone);
-  Door door;
-  std::atomic<bool> inside{false};
-  const auto subscription = graph.FromGraph<int>("c", Invoke::kSerial, [&](const int&) {
-    inside = true;
-    door.Pass();
-  });
+  CountingDoor door;
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kSerial, [&](const int&) { door.Pass(); });
   EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kRunNode);
   Publish("c");
-  ASSERT_TRUE(Await([&] { return inside.load(); }));
+  ASSERT_TRUE(door.AwaitOne());
   EXPECT_EQ(DataGraph::UseOfThread(channel), ThreadUse::kNone) << "the node already runs";
   door.Open();
   EXPECT_TRUE(Await([&] { return DataGraph::UseOfThread(channel) == ThreadUse::kRunNode; }));
@@ -179,4 +165,4 @@ TEST_F(ReadyNodeSlotTest, ChannelRequestsRunNodeOnlyIfAWorkerWouldHaveToBeWoken)
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

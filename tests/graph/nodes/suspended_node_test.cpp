@@ -1,18 +1,8 @@
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <memory>
-
 #include "graph/graph_fixture.hpp"
 #include "hgros/graph/node_queue.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Collected;
-using test::Counting;
-using test::Options;
 
 constexpr int kMessages = 500;
 
@@ -127,10 +117,9 @@ TEST(NodeQueue, IsNoneWithoutAQueue) {
   EXPECT_FALSE(NodeQueue());
   EXPECT_FALSE(NodeQueue(Subscription()));
   DataGraph graph;
-  const Subscription subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial, [](const int&) {}, Options(Executor::Inline()));
-  EXPECT_FALSE(NodeQueue(subscription));
+  Collected taken;
+  EXPECT_FALSE(NodeQueue(Collect(graph, taken, Options(Executor::Inline()))));
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test
