@@ -1,17 +1,8 @@
 // Lost and refused messages are counted in the traffic of the channel.
-#include <gtest/gtest.h>
-
 #include "session/session_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Bus;
-using test::kPatience;
-using test::Note;
-using test::Notes;
-using test::Robot;
 
 ChannelTraffic TrafficOf(const Robot& robot, const std::string& channel) {
   for (ChannelTraffic& traffic : robot->Snapshot().traffic) {
@@ -20,18 +11,23 @@ ChannelTraffic TrafficOf(const Robot& robot, const std::string& channel) {
   return {};
 }
 
-TEST(ChannelTraffic, CountsMessagesThatASlowKeepLastSubscriberMisses) {
+class ChannelTrafficTest : public testing::Test {
+ protected:
   const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
-  test::Door door;
+  Robot talker{bus.Publishing("a")};
+  Robot listener{bus.Subscribing("a")};
+  Notes notes;
+  const Publisher<Note> publish = talker->Advertise<Note>("notes");
+};
+
+TEST_F(ChannelTrafficTest, CountsMessagesThatASlowKeepLastSubscriberMisses) {
+  Door door;
   std::atomic<int> got{0};
-  const auto subscription = listener->FromAny<Note>("notes", Invoke::kSerial,
+  const auto subscription = listener->FromAny<Note>("notes", kSerial,
                                                     [&](const Note&) {
                                                       if (got++ > 0) door.Pass();
                                                     },
                                                     {{}, Queue::KeepLast(2), Executor::Inline()});
-  const auto publish = talker->Advertise<Note>("notes");
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   // A gap can only be detected after a first message.
   ASSERT_EQ(publish(std::make_unique<Note>("first")), PublishStatus::kOk);
@@ -48,33 +44,25 @@ TEST(ChannelTraffic, CountsMessagesThatASlowKeepLastSubscriberMisses) {
   EXPECT_EQ(TrafficOf(talker, "notes").out.dropped, TrafficOf(listener, "notes").in[0].lost);
 }
 
-TEST(ChannelTraffic, CountsTheBytesOfAMessageOnceForAllSubscribers) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot one(bus.Subscribing("a"));
+TEST_F(ChannelTrafficTest, CountsTheBytesOfAMessageOnceForAllSubscribersAndMeasuresItsTransportTime) {
   Robot other(bus.Subscribing("a"));
-  Notes heard;
   Notes also;
-  const auto publish = talker->Advertise<Note>("notes");
   ASSERT_EQ(publish(std::make_unique<Note>("nobody listens")), PublishStatus::kOk);
   EXPECT_EQ(TrafficOf(talker, "notes").encoded, 0U);
-  const auto first = one->FromAny<Note>("notes", Invoke::kSerial, std::ref(heard));
-  const auto second = other->FromAny<Note>("notes", Invoke::kSerial, std::ref(also));
+  const auto first = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto second = other->FromAny<Note>("notes", kSerial, std::ref(also));
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 2, kPatience));
   ASSERT_EQ(publish(std::make_unique<Note>("four")), PublishStatus::kOk);
   ASSERT_EQ(publish(std::make_unique<Note>("sevenup")), PublishStatus::kOk);
   const ChannelTraffic traffic = TrafficOf(talker, "notes");
   EXPECT_EQ(traffic.encoded, 2U);
   EXPECT_EQ(traffic.encoded_bytes, 11U);
+  ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
+  EXPECT_EQ(TrafficOf(listener, "notes").transport.count(), 2U);
 }
 
-TEST(ChannelTraffic, CountsMessagesThatCannotBeEncodedOrDecoded) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes));
-  const auto publish = talker->Advertise<Note>("notes");
+TEST_F(ChannelTrafficTest, CountsMessagesThatCannotBeEncodedOrDecoded) {
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   for (const char* text : {"unwritable", "unreadable", "good"}) {
     EXPECT_EQ(publish(std::make_unique<Note>(text)), PublishStatus::kOk);
@@ -88,18 +76,5 @@ TEST(ChannelTraffic, CountsMessagesThatCannotBeEncodedOrDecoded) {
   EXPECT_TRUE(listener.Said("notes"));
 }
 
-TEST(ChannelTraffic, MeasuresTheTransportTimeOfEachMessage) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes));
-  const auto publish = talker->Advertise<Note>("notes");
-  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(publish(std::make_unique<Note>("x")), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
-  EXPECT_EQ(TrafficOf(listener, "notes").transport.count(), 10U);
-}
-
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

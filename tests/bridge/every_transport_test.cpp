@@ -1,20 +1,12 @@
 // One program that runs by pointer, through shared memory, over ipc and over tcp, depending only on its configuration.
 #include <sys/mman.h>
 
-#include <functional>
-#include <memory>
 #include <optional>
 
 #include "session/domain_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Bus;
-using test::kPatience;
-using test::Note;
-using test::Robot;
 
 // The program: a wheel that counts, and an odometer that adds.
 constexpr int kTurns = 200;
@@ -65,13 +57,17 @@ const Bus& TheBus() {
   return bus;
 }
 
-class EveryTransport : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
+class EveryTransport : public DomainFixture, public testing::WithParamInterface<Placement> {
+ protected:
+  EveryTransport() {
+    if (const auto yaml = placement.odometer(*first.session)) second.emplace(*yaml);
+  }
+  const Placement& placement = GetParam();
+  Robot first{placement.wheel};
+  std::optional<Robot> second;
+};
 
 TEST_P(EveryTransport, RunsTheSameProgram) {
-  const Placement& placement = GetParam();
-  Robot first(placement.wheel);
-  std::optional<Robot> second;
-  if (const auto yaml = placement.odometer(*first.session)) second.emplace(*yaml);
   Note::written = 0;
   {
     const Odometer odometer(second ? *second->session : *first.session);
@@ -106,10 +102,6 @@ class AddressRange {
 };
 
 TEST_P(EveryTransport, RefusesAMessageAboveTheLimitAndKeepsThePeer) {
-  const Placement& placement = GetParam();
-  Robot first(placement.wheel);
-  std::optional<Robot> second;
-  if (const auto yaml = placement.odometer(*first.session)) second.emplace(*yaml);
   const AddressRange range(kMaxMessageBytes + 1);
   Session& there = second ? *second->session : *first.session;
   std::atomic<std::size_t> got{0};
@@ -157,4 +149,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& placed) { return placed.param.name; });
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -2,12 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstddef>
-#include <functional>
-#include <memory>
 #include <new>
-#include <string>
-#include <vector>
 
 #include "hgros/base/system_limits.hpp"
 #include "hgros/bridge/channel_outlet.hpp"
@@ -21,10 +16,8 @@
 #include "transport/outbound_core.hpp"
 #include "transport/peer_channel.hpp"
 
-namespace hgros::failed_allocations_test {
+namespace hgros::test::failed_allocations_test {
 namespace {
-
-using test::FewAllocations;
 
 /// Calls `action` with ever more allocations, until none fails. Returns how often it threw std::bad_alloc.
 template <typename Action>
@@ -176,6 +169,7 @@ TEST(FailedAllocations, OfATraceMixUpNoNames) {
 
 /// Errands that are done when the test says so.
 struct Errands {
+  const std::shared_ptr<Log> log = std::make_shared<Log>([](LogLevel, std::string_view) {});
   std::vector<std::function<void()>> waiting;
   std::function<void(std::chrono::nanoseconds, std::function<void()>)> later =
       [this](std::chrono::nanoseconds, std::function<void()> errand) { waiting.push_back(std::move(errand)); };
@@ -196,8 +190,8 @@ struct Errands {
 TEST(FailedAllocations, OfTracesEndNothing) {
   Errands errands;
   TraceRecorder recorder;
-  const auto log = std::make_shared<Log>([](LogLevel, std::string_view) {});
-  TracePublisher traces("robot", recorder, MessageId{1, 1, 0}, log, std::make_shared<HostClocks>(), errands.later);
+  TracePublisher traces("robot", recorder, MessageId{1, 1, 0}, errands.log, std::make_shared<HostClocks>(),
+                        errands.later);
   errands.Run(*traces.outlet());
   EXPECT_TRUE(recorder.on());
 }
@@ -205,8 +199,7 @@ TEST(FailedAllocations, OfTracesEndNothing) {
 TEST(FailedAllocations, OfSnapshotsEndNothing) {
   Errands errands;
   int counted = 0;
-  const auto log = std::make_shared<Log>([](LogLevel, std::string_view) {});
-  SnapshotPublisher snapshots(MessageId{1, 1, 0}, log, std::make_shared<HostClocks>(),
+  SnapshotPublisher snapshots(MessageId{1, 1, 0}, errands.log, std::make_shared<HostClocks>(),
                               {[&] {
                                  ++counted;
                                  return SessionSnapshot();
@@ -217,4 +210,4 @@ TEST(FailedAllocations, OfSnapshotsEndNothing) {
 }
 
 }  // namespace
-}  // namespace hgros::failed_allocations_test
+}  // namespace hgros::test::failed_allocations_test

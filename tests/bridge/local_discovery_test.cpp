@@ -2,34 +2,29 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <thread>
 
 #include <foxglove/Log.pb.h>
 
 #include "session/domain_fixture.hpp"
+#include "support/error_of.hpp"
+#include "support/scratch_folder.hpp"
 
-namespace hgros::local_discovery_test {
+namespace hgros::test::local_discovery_test {
 namespace {
 
-using test::Await;
-using test::Bus;
-using test::Inline;
-using test::kPatience;
-using test::kSerial;
-using test::Linger;
-using test::Note;
-using test::Notes;
-using test::Robot;
-
-class LocalDiscovery : public test::DomainFixture {};
+class LocalDiscovery : public DomainFixture {
+ protected:
+  [[nodiscard]] Subscription Listen(const Robot& robot, Queue queue = {}) {
+    return robot->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = queue});
+  }
+  Notes notes;
+};
 
 TEST_F(LocalDiscovery, TwoProgramsWithOneChannelFindEachOther) {
   Robot listener("");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto subscription = Listen(listener);
   Robot talker("");
   const auto publish = talker->Advertise<Note>("notes");
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
@@ -67,8 +62,8 @@ TEST_F(LocalDiscovery, SessionsThatExchangeNothingDoNotPairButAreKnown) {
   const auto second = two->FromAny<Note>("notes", kSerial, std::ref(at_two));
   const auto subscribers = [](Robot& robot) {
     const auto channels = robot->Channels();
-    const auto notes = std::ranges::find(channels, "notes", &KnownChannel::name);
-    return notes == channels.end() ? 0 : notes->subscribers.size();
+    const auto found = std::ranges::find(channels, "notes", &KnownChannel::name);
+    return found == channels.end() ? 0 : found->subscribers.size();
   };
   ASSERT_TRUE(Await([&] { return subscribers(one) == 2 && subscribers(two) == 2; }));
   Linger(std::chrono::milliseconds(100));
@@ -80,59 +75,40 @@ TEST_F(LocalDiscovery, SessionsThatExchangeNothingDoNotPairButAreKnown) {
 }
 
 TEST_F(LocalDiscovery, RegistryThatFailsAtTheStartIsTriedAgain) {
-  const Bus folder;
-  const std::string path = folder.Endpoint("").substr(std::string("ipc://").size());
-  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
-  setenv("XDG_RUNTIME_DIR", path.substr(0, path.size() - 1).c_str(), 1);
-  std::ofstream(path + "hgros") << "in the way";
+  const ScratchFolder folder;
+  setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
+  const auto obstacle = folder.Write("hgros", "in the way");
   Robot listener(""), talker("");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto subscription = Listen(listener);
   (void)talker->Advertise<Note>("notes");
   EXPECT_FALSE(talker->WaitForSubscribers("notes", 1, std::chrono::milliseconds(100)));
   EXPECT_TRUE(talker.Said("are not found. ")) << "the reason is logged";
-  std::filesystem::remove(path + "hgros");
+  std::filesystem::remove(obstacle);
   EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   unsetenv("XDG_RUNTIME_DIR");
 }
 
-TEST_F(LocalDiscovery, SessionsOfDifferentDomainsDoNotFindEachOther) {
+TEST_F(LocalDiscovery, SessionsOfDifferentDomainsOrWithoutDiscoveryAreNotFound) {
   Robot listener("");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto subscription = Listen(listener);
+  Robot hermit("discovery: {local: false}");
   Enter("other-" + SessionId::Random().ToString());
   Robot stranger("");
-  (void)stranger->Advertise<Note>("notes");
-  EXPECT_FALSE(stranger->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
-}
-
-TEST_F(LocalDiscovery, DomainCanBeSetInTheConfiguration) {
-  setenv("HGROS_DOMAIN", "", 1);
-  const std::string yaml = "discovery: {domain: test-" + SessionId::Random().ToString() + "}";
-  Robot talker(yaml), listener(yaml);
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
-  (void)talker->Advertise<Note>("notes");
-  EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-}
-
-TEST_F(LocalDiscovery, InvalidDomainIsRefused) {
-  Enter("../etc");
-  try {
-    Robot robot("");
-    FAIL() << "nothing was thrown";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("HGROS_DOMAIN"), std::string::npos) << error.what();
+  for (const Robot* robot : {&hermit, &stranger}) {
+    (void)(*robot)->Advertise<Note>("notes");
+    EXPECT_FALSE((*robot)->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
   }
 }
 
-TEST_F(LocalDiscovery, CanBeSwitchedOff) {
-  Robot listener("");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
-  Robot hermit("discovery: {local: false}");
-  (void)hermit->Advertise<Note>("notes");
-  EXPECT_FALSE(hermit->WaitForSubscribers("notes", 1, std::chrono::milliseconds(200)));
+TEST_F(LocalDiscovery, DomainCanBeSetInTheConfigurationAndIsCheckedInTheEnvironment) {
+  Enter("../etc");
+  EXPECT_NE(ErrorOf([] { const Robot robot(""); }).find("HGROS_DOMAIN"), std::string::npos);
+  setenv("HGROS_DOMAIN", "", 1);
+  const std::string yaml = "discovery: {domain: test-" + SessionId::Random().ToString() + "}";
+  Robot talker(yaml), listener(yaml);
+  const auto subscription = Listen(listener);
+  (void)talker->Advertise<Note>("notes");
+  EXPECT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
 }
 
 TEST_F(LocalDiscovery, CanBeLimitedToNamedProcesses) {
@@ -159,8 +135,7 @@ TEST_F(LocalDiscovery, CanBeLimitedToNamedProcesses) {
 
 TEST_F(LocalDiscovery, LogsPeersWithTransportAndTheReasonOfTheirEnd) {
   Robot listener("", "listener");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto subscription = Listen(listener);
   for (const bool stays : {false, true}) {
     Robot talker("", "talker");
     (void)talker->Advertise<Note>("notes");
@@ -186,8 +161,7 @@ TEST_F(LocalDiscovery, EndpointsCanBeAddedWhileSessionsComeAndGo) {
   const Bus bus;
   for (int round = 0; round < 5; ++round) {
     Robot steady("");
-    Notes notes;
-    const auto subscription = steady->FromAny<Note>("notes", kSerial, std::ref(notes));
+    const auto subscription = Listen(steady);
     std::jthread neighbors([] {
       for (int i = 0; i < 4; ++i) {
         Robot talker("");
@@ -211,11 +185,10 @@ TEST_F(LocalDiscovery, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
   const auto publish = robot->Advertise<Note>("notes");
   for (const bool observed : {false, true, false}) {
     std::optional<Robot> observer;
-    Notes notes;
     Subscription outside;
     if (observed) {
       observer.emplace("");
-      outside = (*observer)->FromAny<Note>("notes", kSerial, std::ref(notes));
+      outside = Listen(*observer);
       ASSERT_TRUE(robot->WaitForSubscribers("notes", 2, kPatience));
     } else {
       ASSERT_TRUE(Await([&] { return robot->Snapshot().traffic.at(0).out.subscribers == 0; }));
@@ -236,10 +209,7 @@ TEST_F(LocalDiscovery, PeerThatIsFoundTwiceIsOnePeerOverSharedMemory) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a"));
-  Notes notes;
-  NodeOptions options;
-  options.queue = Queue::KeepAll(200);
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes), options);
+  const auto subscription = Listen(listener, Queue::KeepAll(200));
   const auto publish = talker->Advertise<Note>("notes");
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   for (int i = 0; i < 100; ++i) EXPECT_EQ(publish(std::make_unique<Note>(std::to_string(i))), PublishStatus::kOk);
@@ -257,19 +227,16 @@ TEST_F(LocalDiscovery, PeerThatIsFoundTwiceIsOnePeerOverSharedMemory) {
 
 TEST_F(LocalDiscovery, LosslessMessagesAllArriveInOrder) {
   Robot talker(""), listener("");
-  NodeOptions options;
-  options.queue = Queue::KeepAll(64);
   std::uint64_t next = 0;
   std::atomic<std::uint64_t> received{0};
   std::atomic<bool> ordered{true};
-  const auto subscription = listener->FromAny<Note>(
-      "notes", kSerial,
-      [&](const Note& note) {
-        if (note.text != std::to_string(next)) ordered = false;
-        ++next;
-        ++received;
-      },
-      options);
+  const auto subscription = listener->FromAny<Note>("notes", kSerial,
+                                                    [&](const Note& note) {
+                                                      if (note.text != std::to_string(next)) ordered = false;
+                                                      ++next;
+                                                      ++received;
+                                                    },
+                                                    {.queue = Queue::KeepAll(64)});
   const auto publish = talker->Advertise<Note>("notes");
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   constexpr std::uint64_t kCount = 5000;
@@ -286,7 +253,6 @@ TEST_F(LocalDiscovery, LatchedMessagesReachALateSubscriber) {
   const auto publish = talker->Advertise<Note>("map", {.latched = 2});
   for (const char* text : {"1", "2", "3"}) publish(std::make_unique<Note>(text));
   Robot listener("");
-  Notes notes;
   const auto subscription = listener->FromAny<Note>("map", kSerial, std::ref(notes));
   ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
   EXPECT_EQ(notes.texts(), (std::vector<std::string>{"2", "3"}));
@@ -294,8 +260,7 @@ TEST_F(LocalDiscovery, LatchedMessagesReachALateSubscriber) {
 
 TEST_F(LocalDiscovery, SessionThatReturnsIsFoundAgain) {
   Robot listener("");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto subscription = Listen(listener);
   for (std::size_t life = 1; life <= 5; ++life) {
     Robot talker("");
     const auto publish = talker->Advertise<Note>("notes");
@@ -307,21 +272,24 @@ TEST_F(LocalDiscovery, SessionThatReturnsIsFoundAgain) {
 
 TEST_F(LocalDiscovery, TypeMismatchIsLoggedOnBothSides) {
   Robot talker(""), listener("");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  const auto subscription = Listen(listener);
   (void)talker->Advertise<foxglove::Log>("notes");
   EXPECT_TRUE(Await([&] { return talker.Said("different types") && listener.Said("different types"); }));
 }
 
 TEST_F(LocalDiscovery, LoanedBlockIsReadInPlace) {
-  Robot talker(""), listener("");
+  Robot talker("");
+  const auto publish = talker->Advertise<Block>("blocks");
+  auto on_heap = talker->Loan<Block>("blocks", 100);
+  ASSERT_EQ(on_heap->size(), 100U);
+  EXPECT_EQ(publish(std::move(on_heap)), PublishStatus::kOk) << "without a subscriber";
+  Robot listener("");
   std::mutex mutex;
   std::shared_ptr<const Block> received;
   const auto subscription = listener->FromAny<Block>("blocks", kSerial, [&](const std::shared_ptr<const Block>& block) {
     const std::scoped_lock lock(mutex);
     received = block;
   });
-  const auto publish = talker->Advertise<Block>("blocks");
   ASSERT_TRUE(talker->WaitForSubscribers("blocks", 1, kPatience));
   auto loan = talker->Loan<Block>("blocks", 1 << 20);
   ASSERT_EQ(loan->size(), 1U << 20);
@@ -339,24 +307,5 @@ TEST_F(LocalDiscovery, LoanedBlockIsReadInPlace) {
   received.reset();
 }
 
-TEST_F(LocalDiscovery, LoanWithoutASubscriberIsHeapMemory) {
-  Robot talker("");
-  const auto publish = talker->Advertise<Block>("blocks");
-  auto loan = talker->Loan<Block>("blocks", 100);
-  ASSERT_EQ(loan->size(), 100U);
-  EXPECT_EQ(publish(std::move(loan)), PublishStatus::kOk);
-}
-
-TEST_F(LocalDiscovery, MessagesArriveWhenSharedMemoryIsUsedUp) {
-  Robot talker("shared_memory: {limit_bytes: 0}"), listener("");
-  Notes notes;
-  const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
-  const auto publish = talker->Advertise<Note>("notes");
-  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-  for (int i = 0; i < 10; ++i) publish(std::make_unique<Note>(std::to_string(i)));
-  ASSERT_TRUE(Await([&] { return notes.size() == 10; }));
-  EXPECT_TRUE(talker.Said("There is no shared memory for a message"));
-}
-
 }  // namespace
-}  // namespace hgros::local_discovery_test
+}  // namespace hgros::test::local_discovery_test

@@ -1,23 +1,11 @@
 // Two sessions with thousands of channels between them.
-#include <atomic>
-#include <cstddef>
 #include <ctime>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "session/domain_fixture.hpp"
 #include "transport/agreement.hpp"
 
-namespace hgros::many_channels_test {
+namespace hgros::test::many_channels_test {
 namespace {
-
-using test::Await;
-using test::Bus;
-using test::kPatience;
-using test::kSerial;
-using test::Note;
-using test::Robot;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr std::size_t kMany = 2'000;  // More take minutes.
@@ -27,8 +15,11 @@ constexpr std::size_t kMany = 10'000;
 
 std::string Name(std::size_t i) { return "robot/sensor" + std::to_string(i); }
 
-class ManyChannels : public test::DomainFixture {
+class ManyChannels : public DomainFixture {
  protected:
+  static constexpr const char* kAlone = "discovery: {local: false}\n";
+  const Bus bus;
+
   // One message on each channel; each must arrive.
   static void Pass(Robot& talker, Robot& listener, std::size_t count) {
     std::atomic<std::size_t> arrived{0};
@@ -99,9 +90,7 @@ TEST_F(ManyChannels, AllAreReceivedOverSharedMemory) {
 }
 
 TEST_F(ManyChannels, AllAreReceivedOverZeroMq) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a") + "discovery: {local: false}\n");
-  Robot listener(bus.Subscribing("a") + "discovery: {local: false}\n");
+  Robot talker(bus.Publishing("a") + kAlone), listener(bus.Subscribing("a") + kAlone);
   Pass(talker, listener, kMany);
 }
 
@@ -113,13 +102,11 @@ TEST_F(ManyChannels, LogSaysWhichChannelIsBeyondTheLimitOfSharedMemory) {
 }
 
 TEST_F(ManyChannels, LogSaysWhichChannelIsBeyondTheLimitOfZeroMq) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a") + "discovery: {local: false}\n");
-  Robot listener(bus.Subscribing("a") + "discovery: {local: false}\n");
+  Robot talker(bus.Publishing("a") + kAlone), listener(bus.Subscribing("a") + kAlone);
   Exceed(talker, listener, "ZeroMQ");
 }
 
 #endif
 
 }  // namespace
-}  // namespace hgros::many_channels_test
+}  // namespace hgros::test::many_channels_test

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "hgros/base/error.hpp"
+
 namespace hgros::peer_transports_test {
 namespace {
 
@@ -10,13 +12,40 @@ constexpr TransportIndex kZmq = 1;
 const TransportSet kOnlyShm{kShm};
 const TransportSet kOnlyZmq{kZmq};
 
-TransportEntry Entry(const std::string& key, const std::string& name, int cost, TransportReach reach) {
+TransportEntry Entry(const std::string& key, const std::string& name, int cost,
+                     TransportReach reach = TransportReach::kNetwork) {
   return {key, name, cost, reach, {}, true};
 }
 
-TransportList TwoTransports() {
-  return TransportList({Entry("zmq", "ZeroMQ", 2, TransportReach::kNetwork),
-                        Entry("shared_memory", "shared memory", 1, TransportReach::kHost)});
+TEST(ListOfTransports, HasTheCheapestFirst) {
+  const TransportList list({Entry("far", "the far", 3), Entry("near", "the near", 1, TransportReach::kHost),
+                            Entry("between", "the between", 2)});
+  EXPECT_EQ(list.Find("near"), 0U);
+  EXPECT_EQ(list.Find("between"), 1U);
+  EXPECT_EQ(list.Find("far"), 2U);
+  EXPECT_EQ(list.Find("elsewhere"), std::nullopt);
+  EXPECT_EQ(list.on_host(), TransportSet{0});
+  EXPECT_EQ(list.NamesOf({0, 2}), "the near and the far");
+}
+
+TEST(ListOfTransports, TurnsKeysIntoSets) {
+  const TransportList list({Entry("a", "the a", 1), Entry("b", "the b", 2)});
+  EXPECT_EQ(list.SetOf(std::nullopt), list.all());
+  EXPECT_EQ(list.SetOf(std::vector<std::string>{"b", "unknown"}), TransportSet{1});
+  EXPECT_TRUE(list.SetOf(std::vector<std::string>{"unknown"}).empty());
+}
+
+TEST(ListOfTransports, RefusesTwoWithOneKey) {
+  EXPECT_THROW(TransportList({Entry("a", "the a", 1), Entry("a", "the a", 2)}), Error);
+}
+
+TEST(SetOfTransports, ReturnsItsCheapest) {
+  const TransportSet set{1, 4};
+  EXPECT_EQ(set.cheapest(), 1U);
+  EXPECT_EQ(set.CheaperThan(4), TransportSet{1});
+  EXPECT_TRUE(set.CheaperThan(1).empty());
+  EXPECT_EQ(set.Without(TransportSet{1}).cheapest(), 4U);
+  EXPECT_EQ(TransportSet().cheapest(), std::nullopt);
 }
 
 class PeerTransportsOfOne : public testing::Test, public TransportListener {
@@ -40,7 +69,8 @@ class PeerTransportsOfOne : public testing::Test, public TransportListener {
     return list.size() == 1 ? list[0].transport + ": " + list[0].why : std::to_string(list.size());
   }
 
-  const TransportList list = TwoTransports();
+  const TransportList list =
+      TransportList({Entry("zmq", "ZeroMQ", 2), Entry("shared_memory", "shared memory", 1, TransportReach::kHost)});
   Log log{[](LogLevel, std::string_view) {}};
   const SessionId peer{7};
   const PeerInfo info = On("here");

@@ -1,38 +1,29 @@
 // Channels whose configuration names the transports that they may use.
 #include "session/domain_fixture.hpp"
 
-namespace hgros::transport_rules_test {
+namespace hgros::test::transport_rules_test {
 namespace {
-
-using test::Await;
-using test::Bus;
-using test::kPatience;
-using test::kSerial;
-using test::Linger;
-using test::Note;
-using test::Notes;
-using test::Robot;
 
 constexpr const char* kNoMemory = "There is no shared memory for a message";
 
 std::string Rule(const std::string& transports) { return "channels: {scan: {transports: " + transports + "}}\n"; }
 
-class RulesOfTransports : public test::DomainFixture {
+class RulesOfTransports : public DomainFixture {
  protected:
   // Publishes `count` messages and waits until they have arrived. None may arrive twice.
-  static void Pass(Robot& talker, const std::string& channel, Notes& notes, std::size_t count) {
-    const std::size_t before = notes.size();
+  static void Pass(Robot& talker, const std::string& channel, Notes& heard, std::size_t count) {
+    const std::size_t before = heard.size();
     for (std::size_t i = 0; i < count; ++i) talker->ToAny(channel, Note(std::to_string(i)));
-    EXPECT_TRUE(Await([&] { return notes.size() >= before + count; })) << channel << ": " << notes.size();
+    EXPECT_TRUE(Await([&] { return heard.size() >= before + count; })) << channel << ": " << heard.size();
     Linger(std::chrono::milliseconds(200));  // Time for repeats to arrive.
-    EXPECT_EQ(notes.size(), before + count) << channel;
+    EXPECT_EQ(heard.size(), before + count) << channel;
   }
+
+  Notes notes;
 };
 
 TEST_F(RulesOfTransports, ChannelUsesZeroMqWhicheverSideExcludesSharedMemory) {
-  struct Case {
-    std::string here, there;
-  };
+  using Case = std::pair<std::string, std::string>;
   for (const auto& [here, there] : {Case{"zmq", ""}, Case{"", "[zmq]"}, Case{"zmq", "zmq"}}) {
     SCOPED_TRACE("\"" + here + "\", \"" + there + "\"");
     const Bus bus;
@@ -40,8 +31,7 @@ TEST_F(RulesOfTransports, ChannelUsesZeroMqWhicheverSideExcludesSharedMemory) {
     Robot talker(bus.Publishing("a") + (here.empty() ? "" : Rule(here)) + "shared_memory: {limit_bytes: 0}\n");
     Robot listener(bus.Subscribing("a") + (there.empty() ? "" : Rule(there)));
     Notes scans, poses;
-    NodeOptions all;
-    all.queue = Queue::KeepAll(200);
+    const NodeOptions all{.queue = Queue::KeepAll(200)};
     const auto first = listener->FromAny<Note>("scan", kSerial, std::ref(scans), all);
     const auto second = listener->FromAny<Note>("pose", kSerial, std::ref(poses), all);
     const auto publish_scans = talker->Advertise<Note>("scan");
@@ -85,7 +75,6 @@ TEST_F(RulesOfTransports, ChannelWithoutACommonTransportIsLoggedOnce) {
   const Bus bus;
   Robot talker(bus.Publishing("a") + Rule("zmq"));
   Robot listener(bus.Subscribing("a") + Rule("shared_memory"));
-  Notes notes;
   const auto subscription = listener->FromAny<Note>("scan", kSerial, std::ref(notes));
   (void)talker->Advertise<Note>("scan");
   const auto said = [](Robot& robot) { return robot.Count("Nothing passes on channel \"scan\""); };
@@ -94,16 +83,11 @@ TEST_F(RulesOfTransports, ChannelWithoutACommonTransportIsLoggedOnce) {
   EXPECT_FALSE(talker->WaitForSubscribers("scan", 1, std::chrono::milliseconds(1)));
 }
 
-TEST_F(RulesOfTransports, ChannelForZeroMqWithoutAnEndpointIsLogged) {
-  Robot talker(Rule("zmq"));
-  Robot listener("");
-  Notes notes;
+TEST_F(RulesOfTransports, ChannelWhoseOnlyTransportIsMissingIsLogged) {
+  Robot talker(Rule("zmq")), listener("");
   const auto subscription = listener->FromAny<Note>("scan", kSerial, std::ref(notes));
   (void)talker->Advertise<Note>("scan");
   EXPECT_TRUE(Await([&] { return listener.Said("allow ZeroMQ only, which does not reach that session"); }));
-}
-
-TEST_F(RulesOfTransports, ChannelForSharedMemoryIsLoggedInASessionWithoutIt) {
   Robot hermit("discovery: {local: false}\n" + Rule("shared_memory"));
   const Bus bus;
   hermit->AddPublisherEndpoint({bus.Endpoint("a"), {}, true});
@@ -115,7 +99,6 @@ TEST_F(RulesOfTransports, WhiteListAppliesOnlyToItsEndpoint) {
   const Bus bus;
   Robot talker(bus.Publishing("a", "pose"));
   Robot near("");
-  Notes notes;
   const auto subscription = near->FromAny<Note>("scan", kSerial, std::ref(notes));
   const auto publish = talker->Advertise<Note>("scan");
   ASSERT_TRUE(talker->WaitForSubscribers("scan", 1, kPatience));
@@ -124,4 +107,4 @@ TEST_F(RulesOfTransports, WhiteListAppliesOnlyToItsEndpoint) {
 }
 
 }  // namespace
-}  // namespace hgros::transport_rules_test
+}  // namespace hgros::test::transport_rules_test

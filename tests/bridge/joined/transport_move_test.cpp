@@ -9,16 +9,8 @@
 #include "session/hand_made_session.hpp"
 #include "support/seed.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Bus;
-using test::kPatience;
-using test::Linger;
-using test::Note;
-using test::Notes;
-using test::Robot;
 
 constexpr TransportIndex kShm = 0;
 constexpr TransportIndex kZmq = 1;
@@ -43,7 +35,7 @@ struct Subscriber {
 };
 
 TEST(MoveOfTransport, LosesAndReordersNothingHoweverTheTwoTransportsInterleave) {
-  std::minstd_rand random(test::Seed());
+  std::minstd_rand random(Seed());
   const auto pick = [&](std::uint64_t from, std::uint64_t to) {
     return std::uniform_int_distribution<std::uint64_t>(from, to)(random);
   };
@@ -83,7 +75,7 @@ TEST(MoveOfTransport, ContinuesWhenTheOldTransportHasEnded) {
 }
 
 /// A publisher that opens its shared memory only on request.
-class LateTalker final : public test::HandMadeSession, private OutboundSource {
+class LateTalker final : public HandMadeSession, private OutboundSource {
  public:
   LateTalker(const std::string& domain, const std::string& endpoint) : HandMadeSession("late") {
     ZmqOptions options;
@@ -132,14 +124,12 @@ class LateTalker final : public test::HandMadeSession, private OutboundSource {
   std::unique_ptr<OutboundChannel> over_shm_;
 };
 
-class MovingPeer : public test::DomainFixture {
+class MovingPeer : public DomainFixture {
  protected:
-  void Start(Queue queue) {
-    NodeOptions options;
-    options.queue = queue;
+  void SetUp() override {
     listener.emplace("network: {subscribers: [" + bus.Subscriber("late") +
                      "], heartbeat_ms: 100, peer_timeout_ms: 2000}\n");
-    subscription = (*listener)->FromAny<Note>("notes", Invoke::kSerial, std::ref(notes), options);
+    subscription = (*listener)->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(64)});
     talker.emplace(std::getenv("HGROS_DOMAIN"), bus.Endpoint("late"));
     ASSERT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "over ZeroMQ, after two seconds";
     for (int i = 0; i < 20; ++i) talker->Say();
@@ -172,18 +162,20 @@ class MovingPeer : public test::DomainFixture {
   std::optional<LateTalker> talker;
 };
 
-TEST_F(MovingPeer, MovesToLateSharedMemoryWhileMessagesFlowWithoutLoss) {
-  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
+TEST_F(MovingPeer, MovesToLateSharedMemoryWhileMessagesFlowAndReturnsWhenThatEndsWithoutLoss) {
   talker->ShareMemoryWith((*listener)->id());
   SayUntil([&] { return UsedTransport() == "shared memory"; });
   for (int i = 0; i < 100; ++i) talker->Say();
   ExpectAll();
   EXPECT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "ZeroMQ was dropped";
   EXPECT_TRUE(listener->Said("through shared memory, and its messages move there."));
+  talker->EndShm();
+  EXPECT_TRUE(Await([&] { return UsedTransport() == "ZeroMQ" && talker->subscribers() == 1; }));
+  for (int i = 0; i < 50; ++i) talker->Say();
+  ExpectAll();
 }
 
 TEST_F(MovingPeer, MovesToLateSharedMemoryWithoutMessages) {
-  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
   talker->ShareMemoryWith((*listener)->id());
   EXPECT_TRUE(Await([&] { return UsedTransport() == "shared memory" && talker->subscribers() == 1; }));
   for (int i = 0; i < 100; ++i) talker->Say();
@@ -191,7 +183,6 @@ TEST_F(MovingPeer, MovesToLateSharedMemoryWithoutMessages) {
 }
 
 TEST_F(MovingPeer, LosesNoWaitingMessageWhenTheOldTransportEnds) {
-  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
   talker->ShareMemoryWith((*listener)->id());
   SayUntil([&] { return talker->subscribers() == 2 || UsedTransport() == "shared memory"; });
   EXPECT_TRUE(Await([&] { return notes.size() == talker->said(); }));
@@ -201,16 +192,5 @@ TEST_F(MovingPeer, LosesNoWaitingMessageWhenTheOldTransportEnds) {
   ExpectAll();
 }
 
-TEST_F(MovingPeer, ReturnsToTheOldTransportWhenTheNewOneEnds) {
-  ASSERT_NO_FATAL_FAILURE(Start(Queue::KeepAll(64)));
-  talker->ShareMemoryWith((*listener)->id());
-  SayUntil([&] { return UsedTransport() == "shared memory"; });
-  ExpectAll();
-  talker->EndShm();
-  EXPECT_TRUE(Await([&] { return UsedTransport() == "ZeroMQ" && talker->subscribers() == 1; }));
-  for (int i = 0; i < 50; ++i) talker->Say();
-  ExpectAll();
-}
-
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

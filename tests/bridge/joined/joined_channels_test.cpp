@@ -1,26 +1,17 @@
-#include "bridge/joined/cut_subscribers.hpp"
-
-#include <functional>
 #include <future>
-#include <memory>
+#include <optional>
 #include <set>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
+#include "bridge/joined/cut_subscribers.hpp"
 #include "bridge/joined/joined_inbound.hpp"
 #include "bridge/joined/joined_outbound.hpp"
+#include "hgros/bridge/channel_outlet.hpp"
+#include "hgros/bridge/network_bridge.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
 
-namespace hgros::cut_subscribers_test {
+namespace hgros::test::joined_channels_test {
 namespace {
-
-using test::Await;
-using test::Bus;
-using test::Note;
-using test::Robot;
 
 const SessionId kOne{1};
 const SessionId kTwo{2};
@@ -83,7 +74,8 @@ TEST(CutSubscribers, EndOfAnEarlierCutDoesNotDropALaterOne) {
   EXPECT_FALSE(cut.Drop(kOne));
 }
 
-/// A transport of one channel. It calls `on_commit` inside of each Commit().
+/// A transport of one channel, whose subscribers the test sets. It calls `on_commit` and `on_loan` inside of each
+/// Commit() and Loan().
 class OneChannel final : public Transport {
  public:
   std::unique_ptr<OutboundChannel> Advertise(std::string_view /*channel*/, const TypeInfo& /*type*/,
@@ -100,24 +92,41 @@ class OneChannel final : public Transport {
   TransportStats stats() const override { return {}; }
   void Close(int /*linger_ms*/, int /*at_most_ms*/) noexcept override {}
 
+  void Comes(SessionId subscriber) {
+    subscribers.push_back(subscriber);
+    source->OnSubscribers(subscribers.size());
+  }
+  void Ends(SessionId subscriber) {
+    std::erase(subscribers, subscriber);
+    source->OnUnsubscribed(subscriber);
+    source->OnSubscribers(subscribers.size());
+  }
+
   OutboundSource* source = nullptr;
   InboundSink* sink = nullptr;
   std::function<void()> on_commit = [] {};
+  std::function<std::optional<Block>(std::size_t)> on_loan = [](std::size_t) { return std::nullopt; };
   bool has_memory = true;
   int channels = 0;
+  std::vector<SessionId> subscribers;
 
  private:
   class Outbound final : public OutboundChannel {
    public:
-    explicit Outbound(OneChannel& transport) : transport_(transport) { ++transport_.channels; }
+    explicit Outbound(OneChannel& transport) : transport_(transport) {
+      ++transport_.channels;
+      if (subscriber_count() > 0) transport_.source->OnSubscribers(subscriber_count());
+    }
     ~Outbound() override { --transport_.channels; }
-    std::size_t subscriber_count() const noexcept override { return 0; }
+    std::size_t subscriber_count() const noexcept override { return transport_.subscribers.size(); }
+    std::vector<SessionId> Subscribers() const override { return transport_.subscribers; }
     PublishStatus Reserve() noexcept override { return PublishStatus::kOk; }
     bool Commit(const PacketHead& /*head*/, const Payload& /*data*/) noexcept override {
       transport_.on_commit();
       return transport_.has_memory;
     }
     void Cancel() noexcept override {}
+    std::optional<Block> Loan(std::size_t size_bytes) override { return transport_.on_loan(size_bytes); }
     OutboundStats stats() const override { return {}; }
 
    private:
@@ -140,110 +149,110 @@ struct NoLatched final : OutboundSource {
   std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
   void OnRoom() noexcept override {}
   void OnSubscribers(std::size_t /*count*/) noexcept override { ++told; }
+  void OnUnsubscribed(SessionId /*subscriber*/) noexcept override { ++ends; }
   int told = 0;
+  int ends = 0;
+};
+
+/// A channel over one such transport. Another one may be added.
+struct Joined {
+  explicit Joined(const std::string& channel = "notes")
+      : outbound(std::make_shared<JoinedOutbound>(
+            channel, TypeOf<Note>(), *source, 2,
+            [this](SessionId, JoinedOutbound::Abandon later) { give_up = std::move(later); }, log)) {
+    outbound->Add(transport);
+  }
+  bool Commit(std::uint64_t sequence, std::int64_t publish_monotonic_ns = 0) const {
+    OutboundMessage message = Numbered(sequence);
+    message.head.publish_monotonic_ns = publish_monotonic_ns;
+    return outbound->Commit(message.head, message.data);
+  }
+  [[nodiscard]] bool Cut(std::vector<OutboundMessage>&& unfinished) const {
+    return transport.source->OnCut(kOne, {.lossless = true}, std::move(unfinished));
+  }
+
+  std::vector<std::string> lines;
+  Log log{[this](LogLevel, std::string_view line) { lines.emplace_back(line); }};
+  std::unique_ptr<NoLatched> source = std::make_unique<NoLatched>();
+  OneChannel transport;
+  JoinedOutbound::Abandon give_up;
+  const std::shared_ptr<JoinedOutbound> outbound;
 };
 
 // The transport has passed the message to its links, and the returning subscriber's is not among them.
 TEST(CutSubscribers, ReturningDuringACommitGetTheCommittedMessage) {
-  NoLatched source;
-  OneChannel transport;
-  Log log;
-  const auto joined = std::make_shared<JoinedOutbound>(
-      "notes", TypeOf<Note>(), source, 1, [](SessionId, const JoinedOutbound::Abandon&) {}, log);
-  joined->Add(transport);
-  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {Numbered(1)}));
+  Joined joined;
+  ASSERT_TRUE(joined.Cut({Numbered(1)}));
   std::future<CutSubscribers::Messages> first;
-  transport.on_commit = [&] {
-    first = std::async(std::launch::async, [&] { return transport.source->Latched(kOne); });
+  joined.transport.on_commit = [&] {
+    first = std::async(std::launch::async, [&] { return joined.transport.source->Latched(kOne); });
     (void)first.wait_for(std::chrono::milliseconds(100));
   };
-  const OutboundMessage message = Numbered(2);
-  EXPECT_TRUE(joined->Commit(message.head, message.data));
+  EXPECT_TRUE(joined.Commit(2));
   EXPECT_EQ(NumbersOf(first.get()), (std::vector<std::uint64_t>{1, 2}));
 }
 
 TEST(CutSubscribers, AreNamedOnceWithTheNumberOfMessagesThatTheyMiss) {
-  std::vector<std::string> lines;
-  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
-  NoLatched source;
-  OneChannel transport;
-  JoinedOutbound::Abandon give_up;
-  const auto joined = std::make_shared<JoinedOutbound>(
-      "notes", TypeOf<Note>(), source, 1, [&](SessionId, JoinedOutbound::Abandon later) { give_up = std::move(later); },
-      log);
-  joined->Add(transport);
-  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {}));
-  give_up("1 (eye)");
-  EXPECT_TRUE(lines.empty()) << "it misses nothing: " << lines.front();
-  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {Numbered(1), Numbered(2)}));
-  give_up("1 (eye)");
-  give_up("1 (eye)");
-  ASSERT_EQ(lines.size(), 1U);
-  EXPECT_TRUE(
-      lines[0].starts_with("Session 1 (eye) has gone without confirming 2 messages of the lossless channel \"notes\"."))
-      << lines[0];
-  EXPECT_EQ(joined->stats().missed, 2U);
+  Joined joined;
+  ASSERT_TRUE(joined.Cut({}));
+  joined.give_up("1 (eye)");
+  EXPECT_TRUE(joined.lines.empty()) << "it misses nothing: " << joined.lines.front();
+  ASSERT_TRUE(joined.Cut({Numbered(1), Numbered(2)}));
+  joined.give_up("1 (eye)");
+  joined.give_up("1 (eye)");
+  ASSERT_EQ(joined.lines.size(), 1U);
+  EXPECT_TRUE(joined.lines[0].starts_with(
+      "Session 1 (eye) has gone without confirming 2 messages of the lossless channel \"notes\"."))
+      << joined.lines[0];
+  EXPECT_EQ(joined.outbound->stats().missed, 2U);
 }
 
 // A publisher of 2,000 messages a second may publish none between the end of a process and the moment when that is
 // seen.
 TEST(CutSubscribers, ThatHaveConfirmedAllAreNamedIfMessagesFlow) {
-  std::vector<std::string> lines;
-  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
   for (const std::string channel : {"hgros/reply", "notes"}) {
-    NoLatched source;
-    OneChannel transport;
-    JoinedOutbound::Abandon give_up;
-    const auto joined = std::make_shared<JoinedOutbound>(
-        channel, TypeOf<Note>(), source, 1,
-        [&](SessionId, JoinedOutbound::Abandon later) { give_up = std::move(later); }, log);
-    joined->Add(transport);
-    OutboundMessage message = Numbered(1);
-    message.head.publish_monotonic_ns = MonotonicNow() - 60'000'000'000;
-    EXPECT_TRUE(joined->Commit(message.head, message.data));
-    ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {}));
-    give_up("1 (eye)");
-    EXPECT_TRUE(lines.empty()) << "nothing may be published: " << lines.front();
-    message.head.publish_monotonic_ns = MonotonicNow();
-    EXPECT_TRUE(joined->Commit(message.head, message.data));
-    ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {}));
-    give_up("1 (eye)");
+    Joined joined(channel);
+    EXPECT_TRUE(joined.Commit(1, MonotonicNow() - 60'000'000'000));
+    ASSERT_TRUE(joined.Cut({}));
+    joined.give_up("1 (eye)");
+    EXPECT_TRUE(joined.lines.empty()) << "nothing may be published: " << joined.lines.front();
+    EXPECT_TRUE(joined.Commit(1, MonotonicNow()));
+    ASSERT_TRUE(joined.Cut({}));
+    joined.give_up("1 (eye)");
+    ASSERT_EQ(joined.lines.size(), channel == "notes" ? 1U : 0U);
+    if (channel == "notes") {
+      EXPECT_TRUE(joined.lines[0].starts_with(
+          "Session 1 (eye) has gone. It misses the messages of the lossless channel \"notes\""))
+          << joined.lines[0];
+    }
   }
-  ASSERT_EQ(lines.size(), 1U);
-  EXPECT_TRUE(
-      lines[0].starts_with("Session 1 (eye) has gone. It misses the messages of the lossless channel \"notes\""))
-      << lines[0];
 }
 
 // The bridge holds what it has found in its list until it has called it.
 TEST(CutSubscribers, SourceMayEndWhileTheBridgeStillHoldsItsChannel) {
-  Log log([](LogLevel, std::string_view) {});
-  auto source = std::make_unique<NoLatched>();
-  OneChannel transport;
-  JoinedOutbound::Abandon give_up;
-  const auto joined = std::make_shared<JoinedOutbound>(
-      "notes", TypeOf<Note>(), *source, 2,
-      [&](SessionId, JoinedOutbound::Abandon later) { give_up = std::move(later); }, log);
-  joined->Add(transport);
-  ASSERT_TRUE(transport.source->OnCut(kOne, {.lossless = true}, {Numbered(1)}));
-  joined->Close();
-  EXPECT_EQ(transport.channels, 0) << "the channel can be advertised again";
-  EXPECT_EQ(source->told, 0);
-  source.reset();
-  give_up("1 (eye)");
-  joined->GiveUp(kOne, "1 (eye)");
-  joined->Add(transport);
-  EXPECT_EQ(transport.channels, 0);
+  Joined joined;
+  ASSERT_TRUE(joined.Cut({Numbered(1)}));
+  joined.outbound->Close();
+  EXPECT_EQ(joined.transport.channels, 0) << "the channel can be advertised again";
+  EXPECT_EQ(joined.source->told, 0);
+  joined.source.reset();
+  joined.give_up("1 (eye)");
+  joined.outbound->GiveUp(kOne, "1 (eye)");
+  joined.outbound->Add(joined.transport);
+  EXPECT_EQ(joined.transport.channels, 0);
 }
 
-struct CountingSink final : InboundSink {
+struct QuietSink : InboundSink {
+  void Run() noexcept override {}
+  void OnFault(PacketFault /*fault*/, std::string_view /*what*/) noexcept override {}
+  void OnPublishers(std::size_t /*count*/) noexcept override {}
+};
+
+struct CountingSink final : QuietSink {
   Accepted Accept(InboundMessage&& /*message*/) noexcept override {
     ++accepted;
     return Accepted::kNothing;
   }
-  void Run() noexcept override {}
-  void OnFault(PacketFault /*fault*/, std::string_view /*what*/) noexcept override {}
-  void OnPublishers(std::size_t /*count*/) noexcept override {}
   int accepted = 0;
 };
 
@@ -268,23 +277,118 @@ TEST(MovingPublishers, SinkMayEndWhileTheBridgeStillHoldsItsChannel) {
 }
 
 TEST(CutSubscribers, LackOfMemoryOfATransportIsSaidOnce) {
-  std::vector<std::string> lines;
-  Log log([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
-  NoLatched source;
-  OneChannel transport;
-  const auto joined = std::make_shared<JoinedOutbound>(
-      "notes", TypeOf<Note>(), source, 1, [](SessionId, const JoinedOutbound::Abandon&) {}, log);
-  joined->Add(transport);
-  const OutboundMessage message = Numbered(1);
-  EXPECT_TRUE(joined->Commit(message.head, message.data));
-  transport.has_memory = false;
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(joined->Commit(message.head, message.data));
-  ASSERT_EQ(lines.size(), 1U);
-  EXPECT_TRUE(lines[0].starts_with("There was no memory to hand a message on channel \"notes\"")) << lines[0];
+  Joined joined;
+  EXPECT_TRUE(joined.Commit(1));
+  joined.transport.has_memory = false;
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(joined.Commit(1));
+  ASSERT_EQ(joined.lines.size(), 1U);
+  EXPECT_TRUE(joined.lines[0].starts_with("There was no memory to hand a message on channel \"notes\""))
+      << joined.lines[0];
+}
+
+class SubscriberEnd : public testing::Test {
+ protected:
+  SubscriberEnd() { joined.outbound->Add(second); }
+  ~SubscriberEnd() override { joined.outbound->Close(); }
+
+  OneChannel second;
+  Joined joined;
+  OneChannel& first = joined.transport;
+};
+
+TEST_F(SubscriberEnd, IsToldOnceAndNotForAMoveToAnotherTransport) {
+  first.Comes(kOne);
+  second.Comes(kOne);
+  first.Ends(kOne);
+  EXPECT_EQ(joined.source->ends, 0) << "It has moved.";
+  second.Ends(kOne);
+  EXPECT_EQ(joined.source->ends, 1);
+  second.Comes(kOne);
+  second.Ends(kOne);
+  EXPECT_EQ(joined.source->ends, 2);
+}
+
+TEST_F(SubscriberEnd, IsToldThoughItHasSubscribedAgainOverOneTransportMeanwhile) {
+  first.Comes(kOne);
+  second.Comes(kOne);
+  second.Ends(kOne);
+  second.Comes(kOne);
+  first.Ends(kOne);
+  EXPECT_EQ(joined.source->ends, 1);
+  first.Comes(kOne);
+  second.Ends(kOne);
+  first.Ends(kOne);
+  EXPECT_EQ(joined.source->ends, 2);
+}
+
+/// An outlet into a bridge with such a transport, which has one subscriber. Its first loan takes until `open` is set.
+class SlowLoan : public testing::Test, public TransportListener {
+ protected:
+  SlowLoan() {
+    BridgeOptions options;
+    options.zmq.session = SessionId::Random();
+    TransportEntry entry{"slow", "a slow transport", 10, TransportReach::kHost, {}, true};
+    entry.make = [this](const TransportEntry::Takes&, TransportListener&, Log&) {
+      auto transport = std::make_unique<OneChannel>();
+      transport->subscribers = {kOne};
+      transport->on_loan = [this, first = true](std::size_t size_bytes) mutable -> std::optional<Block> {
+        if (!std::exchange(first, false)) return std::nullopt;
+        came.set_value();
+        open.get_future().wait();
+        return Block::Allocate(size_bytes);
+      };
+      return transport;
+    };
+    options.more_transports = {entry};
+    options.on_announcements = [] {};
+    options.later = [](std::chrono::nanoseconds, const std::function<void()>&) {};
+    bridge.emplace(std::move(options), *this, *log);
+    outlet->Join(*bridge);
+    loan = std::async(std::launch::async, [this] { return outlet->Loan(100).has_value(); });
+    came.get_future().wait();
+  }
+  ~SlowLoan() override {
+    outlet->Detach();
+    bridge->Close(0);
+  }
+  void OnPeerCame(const PeerInfo&) noexcept override {}
+  void OnPeerGone(const PeerInfo&, std::string_view) noexcept override {}
+  void OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept override {}
+
+  const std::shared_ptr<Log> log = std::make_shared<Log>([](LogLevel, std::string_view) {});
+  std::promise<void> came, open;
+  std::optional<NetworkBridge> bridge;
+  const std::shared_ptr<ChannelOutlet> outlet =
+      std::make_shared<ChannelOutlet>("images", AnyType(), MessageId{1, 1, 0}, log,
+                                      OutletEvents{[] {}, [] {}, [] { return true; }}, std::make_shared<HostClocks>());
+  std::future<bool> loan;
+};
+
+TEST_F(SlowLoan, DelaysNobodyElse) {
+  auto others = std::async(std::launch::async, [this] {
+    const AnyMessage message = std::make_shared<const RawMessage>(RawMessage{nullptr, Block::Allocate(8).payload()});
+    PreparedMessage prepared;
+    EXPECT_EQ(outlet->Reserve(message.get(), AnyType(), prepared), PublishStatus::kOk);
+    EXPECT_TRUE(outlet->Commit(message, AnyType(), {}, std::move(prepared)));
+    EXPECT_EQ(outlet->Subscribers().size(), 1U);
+    ChannelTraffic traffic;
+    outlet->AddTo(traffic);
+  });
+  EXPECT_EQ(others.wait_for(kPatience), std::future_status::ready);
+  open.set_value();
+  EXPECT_TRUE(loan.get());
+}
+
+TEST_F(SlowLoan, EndsBeforeItsTransportIsLeft) {
+  auto leave = std::async(std::launch::async, [this] { outlet->Detach(); });
+  EXPECT_EQ(leave.wait_for(std::chrono::milliseconds(50)), std::future_status::timeout);
+  open.set_value();
+  EXPECT_TRUE(loan.get());
+  leave.get();
 }
 
 /// A subscriber whose shared memory can end while the session lives on. It keeps the messages that it receives.
-class FragileListener final : public test::HandMadeSession, private InboundSink {
+class FragileListener final : public HandMadeSession, private QuietSink {
  public:
   FragileListener(const std::string& domain, SessionId publisher, std::string endpoint)
       : HandMadeSession("fragile"), endpoint_(std::move(endpoint)) {
@@ -321,9 +425,6 @@ class FragileListener final : public test::HandMadeSession, private InboundSink 
     messages_.push_back(std::move(message));
     return Accepted::kNothing;
   }
-  void Run() noexcept override {}
-  void OnFault(PacketFault /*fault*/, std::string_view /*what*/) noexcept override {}
-  void OnPublishers(std::size_t /*count*/) noexcept override {}
 
   const std::string endpoint_;
   const TypeInfo& type_ = TypeOf<Note>();
@@ -334,7 +435,7 @@ class FragileListener final : public test::HandMadeSession, private InboundSink 
   std::unique_ptr<InboundChannel> over_zmq_;
 };
 
-class LostTransport : public test::DomainFixture {
+class LostTransport : public DomainFixture {
  protected:
   LostTransport() {
     EXPECT_TRUE(Await([&] { return subscribers() == 1; }));
@@ -390,4 +491,4 @@ TEST_F(LostTransport, CountsUnconfirmedMessagesAsMissedWhenTheSubscriberLeaves) 
 }
 
 }  // namespace
-}  // namespace hgros::cut_subscribers_test
+}  // namespace hgros::test::joined_channels_test
