@@ -1,31 +1,12 @@
 // The end of a service and of its session.
-#include <atomic>
-#include <memory>
 #include <stdexcept>
-#include <thread>
 
 #include "services/services_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Add;
-using test::Await;
-using test::Kind;
-using test::kLong;
-using test::Sum;
-using test::Total;
-
-class ServiceEnd : public test::DomainFixture {};
-
-TEST_F(ServiceEnd, LetsItBeServedAgain) {
-  Session session;
-  Service first = session.Serve<Sum, Total>("add", Add);
-  first.Reset();
-  EXPECT_FALSE(first.active());
-  const Service second = session.Serve<Sum, Total>("add", [](const Sum&) { return Total{7}; });
-  EXPECT_EQ((session.Call<Sum, Total>("add", Sum{}, kLong).Wait()->value), 7);
-}
+class ServiceEnd : public DomainFixture {};
 
 // Other threads use the service's inner parts meanwhile, as discovery does.
 TEST_F(ServiceEnd, DestroysTheHandlersCaptures) {
@@ -59,7 +40,7 @@ TEST_F(ServiceEnd, InsideTheHandlerDestroysItsCapturesLater) {
 
 TEST_F(ServiceEnd, OfTheSessionFailsPendingCalls) {
   auto session = std::make_unique<Session>();
-  test::Door door;
+  Door door;
   std::atomic<bool> begun{false};
   const Service service = session->Serve<Sum, Total>("slow", [&](const Sum& sum) {
     begun = true;
@@ -76,7 +57,7 @@ TEST_F(ServiceEnd, OfTheSessionFailsPendingCalls) {
 }
 
 TEST_F(ServiceEnd, OfTheSessionLogsWhatTheCallbacksOfItsCallsThrow) {
-  test::Robot robot({}, "caller");
+  Robot robot({}, "caller");
   const auto throwing = [](const CallResult<Total>& result) {
     if (!result) throw std::runtime_error(result.failure().reason);
   };
@@ -88,7 +69,7 @@ TEST_F(ServiceEnd, OfTheSessionLogsWhatTheCallbacksOfItsCallsThrow) {
 }
 
 TEST_F(ServiceEnd, ACallbackThatThrowsIsLoggedWithItsService) {
-  test::Robot robot("discovery: {local: false}", "caller");
+  Robot robot("discovery: {local: false}", "caller");
   const Service service = robot.session->Serve<Sum, Total>("add", Add);
   (void)robot.session->Call<Sum, Total>("add", Sum{}, kLong,
                                         [](const CallResult<Total>&) { throw std::runtime_error("no use"); });
@@ -98,4 +79,4 @@ TEST_F(ServiceEnd, ACallbackThatThrowsIsLoggedWithItsService) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -2,26 +2,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <fstream>
-#include <vector>
 
 #include "hgros/codec/block.hpp"
 #include "services/services_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Add;
-using test::Await;
-using test::Bus;
-using test::Kind;
-using test::kLong;
-using test::Pair;
-using test::PlacesOf;
-using test::Robot;
-using test::Sum;
-using test::Total;
 
 constexpr std::size_t kMega = 1U << 20;
 
@@ -34,17 +21,23 @@ std::uint64_t RequestsAt(Session& server, const std::string& service) {
   return received;
 }
 
-class WaitingRequests : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+class WaitingRequests : public DomainFixture, public testing::WithParamInterface<std::string> {
+ protected:
+  /// Handles one block when the door opens.
+  Service ServeSlowly(Session& server) {
+    return server.Serve<Block, Total>("slow", [this](const Block& block) {
+      ++handled;
+      door.Pass();
+      return Total{static_cast<int>(block.size())};
+    });
+  }
+  Door door;
+  std::atomic<int> handled{0};
+};
 
 TEST_P(WaitingRequests, StayAtTheCallerAboveTheWindow) {
   Pair pair(PlacesOf(GetParam()), "shared_memory: {limit_bytes: 1GiB}\n", "shared_memory: {limit_bytes: 1GiB}\n");
-  test::Door door;
-  std::atomic<int> handled{0};
-  const Service service = pair.server().Serve<Block, Total>("slow", [&](const Block& block) {
-    ++handled;
-    door.Pass();
-    return Total{static_cast<int>(block.size())};
-  });
+  const Service service = ServeSlowly(pair.server());
   constexpr int kCalls = 100;
   const auto call = [&] { return pair.caller().Call<Block, Total>("slow", Block::Allocate(kMega), kLong); };
   std::vector<CallFuture<Total>> calls;
@@ -67,19 +60,13 @@ TEST_P(WaitingRequests, StayAtTheCallerAboveTheWindow) {
 
 TEST_P(WaitingRequests, FailWithFullWhenTheServerHadLittleMemory) {
   Pair pair(PlacesOf(GetParam()));
-  test::Door door;
-  std::atomic<int> handled{0};
   rlimit limit{};
   ASSERT_EQ(getrlimit(RLIMIT_AS, &limit), 0);
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const rlimit small{pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + 160 * kMega, limit.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_AS, &small), 0);
-  const Service service = pair.server().Serve<Block, Total>("slow", [&](const Block& block) {
-    ++handled;
-    door.Pass();
-    return Total{static_cast<int>(block.size())};
-  });
+  const Service service = ServeSlowly(pair.server());
   ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
   std::vector<CallFuture<Total>> calls;
   for (int i = 0; i < 60; ++i) {
@@ -122,11 +109,10 @@ TEST_P(WaitingRequests, LeaveRoomForCallsOfTheirOwnHandlers) {
   EXPECT_EQ(result->value, 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, WaitingRequests, testing::Values("sharedmemory", "tcp"),
-                         [](const auto& place) { return place.param; });
+INSTANTIATE_TEST_SUITE_P(Over, WaitingRequests, testing::Values("sharedmemory", "tcp"), TransportName);
 
 /// A server and a caller that reach each other only over ipc, with lists of channels.
-class MissingDirection : public test::DomainFixture {
+class MissingDirection : public DomainFixture {
  protected:
   static constexpr auto kAlone = "discovery: {local: false}\n";
   Bus bus;
@@ -149,10 +135,10 @@ TEST_F(MissingDirection, OutOfTheServerIsToldOnBothSidesAndKeepsNoReplies) {
   Robot caller(Lists("b", "", "a", ""), "caller");
   const Service service = server->Serve<Sum, Total>("add", Add);
   ASSERT_TRUE(IsReached(caller));
-  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
+  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(1)).Wait();
   EXPECT_EQ(result.failure().kind, Kind::kTimedOut);
   EXPECT_EQ(result.failure().reason,
-            "Service \"add\" did not reply within 2000 ms. Nobody offers its replies here. If the server runs, check "
+            "Service \"add\" did not reply within 1000 ms. Nobody offers its replies here. If the server runs, check "
             "that a subscriber endpoint here reaches its publisher endpoint, and that \"hgros/call/add\" is in their "
             "lists of channels.");
   EXPECT_TRUE(Await([&] { return server->Snapshot().services.at(0).dropped_replies == 1; }));
@@ -167,9 +153,9 @@ TEST_F(MissingDirection, IntoTheCallerIsTold) {
   Robot caller(Lists("b", "", "a", "scan"), "caller");
   const Service service = server->Serve<Sum, Total>("add", Add);
   ASSERT_TRUE(IsReached(caller));
-  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
+  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(1)).Wait();
   EXPECT_EQ(result.failure().reason,
-            "Service \"add\" did not reply within 2000 ms. Replies cannot reach this session: no subscriber endpoint "
+            "Service \"add\" did not reply within 1000 ms. Replies cannot reach this session: no subscriber endpoint "
             "has \"hgros/call/add\" in its list of channels. Add it.");
   EXPECT_TRUE(Await([&] { return server.Said("That session does not subscribe to its replies: "); }));
 }
@@ -191,4 +177,4 @@ TEST_F(MissingDirection, DropsTheReplyOfACancelledCall) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

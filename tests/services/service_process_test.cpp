@@ -2,31 +2,21 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "services/services_fixture.hpp"
 #include "support/path.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Kind;
-using test::kLong;
-using test::Robot;
-using test::Sum;
-using test::Total;
 
 class ServerProcess {
  public:
   explicit ServerProcess(const std::string& yaml) {
     int ends[2];
     if (pipe(ends) != 0) std::abort();
-    const std::string worker = test::Path("worker");
+    const std::string worker = Path("worker");
     pid_ = fork();
     if (pid_ == 0) {
       dup2(ends[1], STDOUT_FILENO);
@@ -65,19 +55,21 @@ class ServerProcess {
   std::FILE* output_ = nullptr;
 };
 
-class KilledServer : public test::DomainFixture {};
+class KilledServer : public DomainFixture {
+ protected:
+  /// Of a server that publishes there, and subscribes to the caller.
+  static std::string YamlOf(const Robot& caller, const std::string& endpoint = "tcp://127.0.0.1:*") {
+    return "network: {publisher: {ip: '" + endpoint + "'}, subscribers: [{ip: '" + caller->PublisherEndpoints().at(0) +
+           "'}]}\ndiscovery: {local: false}\n";
+  }
+};
 
-class KilledServerProcess : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+class KilledServerProcess : public KilledServer, public testing::WithParamInterface<std::string> {};
 
 TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
-  const test::Places places = test::PlacesOf(GetParam());
+  const Places places = PlacesOf(GetParam());
   Robot robot(places.first, "caller");
-  std::string theirs = places.second;
-  if (GetParam() == "tcp") {
-    theirs = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, subscribers: [{ip: '" +
-             robot->PublisherEndpoints().at(0) + "'}]}\ndiscovery: {local: false}\n";
-  }
-  ServerProcess server(theirs);
+  ServerProcess server(GetParam() == "tcp" ? YamlOf(robot) : places.second);
   std::string line = server.Line();
   if (line.starts_with("at ")) {
     if (GetParam() == "tcp") robot->AddSubscriberEndpoint({line.substr(3), {}, true});
@@ -100,9 +92,9 @@ TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
     EXPECT_EQ(result.failure().kind, Kind::kServerGone) << result.failure().reason;
     EXPECT_NE(result.failure().reason.find("(server, process "), std::string::npos) << result.failure().reason;
   }
-  if (GetParam() ==
-      "sharedmemory") {  // Once its last transport is gone, the registry shows that there is no other server.
-    EXPECT_TRUE(test::Await([&] {
+  // Once its last transport is gone, the registry shows that there is no other server.
+  if (GetParam() == "sharedmemory") {
+    EXPECT_TRUE(Await([&] {
       const auto kind = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait().failure().kind;
       EXPECT_TRUE(kind == Kind::kServerGone || kind == Kind::kNoServer);
       return kind == Kind::kNoServer;
@@ -116,11 +108,9 @@ TEST_F(KilledServer, IsNotSaidToServeBesideTheOneThatReplacesIt) {
       "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, heartbeat_ms: 100, peer_timeout_ms: 2000}\n"
       "discovery: {local: false}\n",
       "caller");
-  const std::string yaml = "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, subscribers: [{ip: '" +
-                           robot->PublisherEndpoints().at(0) + "'}]}\ndiscovery: {local: false}\n";
   std::unique_ptr<ServerProcess> server;
   for (int lives = 1; lives <= 3; ++lives) {
-    server = std::make_unique<ServerProcess>(yaml);
+    server = std::make_unique<ServerProcess>(YamlOf(robot));
     const std::string line = server->Line();
     ASSERT_TRUE(line.starts_with("at ")) << line;
     robot->AddSubscriberEndpoint({line.substr(3), {}, true});
@@ -128,12 +118,12 @@ TEST_F(KilledServer, IsNotSaidToServeBesideTheOneThatReplacesIt) {
       ASSERT_TRUE((robot->Call<Sum, Total>("add", Sum{20, 3}, kLong).Wait()));
     }
     const auto is_server = [&](const PeerInfo& peer) { return peer.pid == server->pid(); };
-    ASSERT_TRUE(test::Await([&] { return std::ranges::any_of(robot->Peers(), is_server); }));
+    ASSERT_TRUE(Await([&] { return std::ranges::any_of(robot->Peers(), is_server); }));
     if (lives < 3) server->Kill();
   }
-  ASSERT_TRUE(test::Await([&] { return robot->Peers().size() == 1; }));
+  ASSERT_TRUE(Await([&] { return robot->Peers().size() == 1; }));
   const auto answers = [&] { return bool(robot->Call<Sum, Total>("add", Sum{20, 3}, kLong).Wait()); };
-  ASSERT_TRUE(test::Await(answers));
+  ASSERT_TRUE(Await(answers));
   EXPECT_FALSE(robot.Said("served by more than one session"));
 }
 
@@ -143,29 +133,24 @@ TEST_F(KilledServer, IsNotWaitedForWhenAnotherTakesItsPlace) {
       "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, peer_timeout_ms: 600000}\n"
       "discovery: {local: false}\n",
       "caller");
-  const auto yaml = [&](const std::string& publisher) {
-    return "network: {publisher: {ip: '" + publisher + "'}, subscribers: [{ip: '" + robot->PublisherEndpoints().at(0) +
-           "'}]}\ndiscovery: {local: false}\n";
-  };
   const auto answers = [&] { return bool(robot->Call<Sum, Total>("add", Sum{20, 3}, std::chrono::seconds(1)).Wait()); };
   std::string endpoint = "tcp://127.0.0.1:*";
   std::unique_ptr<ServerProcess> server;
   for (int lives = 1; lives <= 3; ++lives) {
-    server = std::make_unique<ServerProcess>(yaml(endpoint));
+    server = std::make_unique<ServerProcess>(YamlOf(robot, endpoint));
     const std::string line = server->Line();
     ASSERT_TRUE(line.starts_with("at ")) << line;
     if (lives == 1) {
       endpoint = line.substr(3);
       robot->AddSubscriberEndpoint({endpoint, {}, true});
     }
-    ASSERT_TRUE(test::Await(answers)) << "life " << lives;
-    EXPECT_TRUE(test::Await([&] { return robot->Peers().size() == 1; }));
+    ASSERT_TRUE(Await(answers)) << "life " << lives;
+    EXPECT_TRUE(Await([&] { return robot->Peers().size() == 1; }));
     if (lives < 3) server->Kill();
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Placed, KilledServerProcess, testing::Values("sharedmemory", "ipc", "tcp"),
-                         [](const auto& placed) { return placed.param; });
+INSTANTIATE_TEST_SUITE_P(Placed, KilledServerProcess, testing::Values("sharedmemory", "ipc", "tcp"), TransportName);
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

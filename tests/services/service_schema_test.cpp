@@ -4,12 +4,8 @@
 #include <google/protobuf/dynamic_message.h>
 #include <google/protobuf/text_format.h>
 
-#include <atomic>
 #include <cstdint>
 #include <cstring>
-#include <memory>
-#include <string>
-#include <string_view>
 
 #include <foxglove/PointCloud.pb.h>
 
@@ -90,8 +86,6 @@ namespace {
 using foxglove::PointCloud;
 using test::Kind;
 using test::kLong;
-using test::Pair;
-using test::PlacesOf;
 using test::Sum;
 using OldLine = test::Line<test::Version::kOld>;
 using NewLine = test::Line<test::Version::kNew>;
@@ -113,69 +107,53 @@ std::unique_ptr<BulkCloud> CloudOf(const Sum& sum) {
 }
 
 // Between two sessions, because inside one session both sides use the same C++ type.
-class ServiceBetweenSessions : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+class ServiceBetweenSessions : public test::PairFixture {};
 
-TEST_P(ServiceBetweenSessions, OldClientCanCallANewServer) {
-  Pair pair(PlacesOf(GetParam()));
+TEST_P(ServiceBetweenSessions, ClientsAndServersOfTheOldAndTheNewVersionCanCallEachOther) {
   std::atomic<int> number{-1};
-  const Service service = pair.server().Serve<NewLine, NewLine>("twice", [&](const NewLine& line) {
+  const Service new_server = pair->server().Serve<NewLine, NewLine>("new", [&](const NewLine& line) {
     number = line.number;
     return Twice(line);
   });
   for (int i = 0; i < 3; ++i) {
-    const auto result = pair.caller().Call<OldLine, OldLine>("twice", OldLine{"ab", 7}, kLong).Wait();
+    const auto result = pair->caller().Call<OldLine, OldLine>("new", OldLine{"ab", 7}, kLong).Wait();
     ASSERT_TRUE(result) << result.failure().reason;
     EXPECT_EQ(result->text, "abab");
     EXPECT_EQ(result->number, 0) << "it does not know that field";
     EXPECT_EQ(number, 0) << "the client did not send it";
   }
-}
-
-TEST_P(ServiceBetweenSessions, NewClientCanCallAnOldServer) {
-  Pair pair(PlacesOf(GetParam()));
-  const Service service = pair.server().Serve<OldLine, OldLine>("twice", Twice<OldLine>);
-  const auto result = pair.caller().Call<NewLine, NewLine>("twice", NewLine{"ab", 7}, kLong).Wait();
+  const Service old_server = pair->server().Serve<OldLine, OldLine>("old", Twice<OldLine>);
+  const auto result = pair->caller().Call<NewLine, NewLine>("old", NewLine{"ab", 7}, kLong).Wait();
   ASSERT_TRUE(result) << result.failure().reason;
   EXPECT_EQ(result->text, "abab");
   EXPECT_EQ(result->number, 0) << "the server did not send it";
 }
 
-TEST_P(ServiceBetweenSessions, RefusesAReplyWithAnIncompatibleFieldAndNamesIt) {
-  Pair pair(PlacesOf(GetParam()));
-  const Service service = pair.server().Serve<OldLine, OtherLine>("twice", [](const OldLine&) { return OtherLine(); });
-  const auto result = pair.caller().Call<OldLine, OldLine>("twice", OldLine{"ab"}, kLong).Wait();
-  EXPECT_EQ(result.failure().kind, Kind::kTypeMismatch) << result.failure().reason;
-  EXPECT_NE(result.failure().reason.find("text"), std::string::npos) << result.failure().reason;
-}
-
-TEST_P(ServiceBetweenSessions, RefusesARequestWithAnIncompatibleFieldAndNamesIt) {
-  Pair pair(PlacesOf(GetParam()));
+TEST_P(ServiceBetweenSessions, RefusesARequestOrAReplyWithAnIncompatibleFieldAndNamesIt) {
   std::atomic<int> handled{0};
-  const Service service = pair.server().Serve<OtherLine, OldLine>("twice", [&](const OtherLine&) {
+  const Service request = pair->server().Serve<OtherLine, OldLine>("request", [&](const OtherLine&) {
     ++handled;
     return OldLine();
   });
-  const auto result = pair.caller().Call<OldLine, OldLine>("twice", OldLine{"ab"}, kLong).Wait();
-  EXPECT_EQ(result.failure().kind, Kind::kTypeMismatch) << result.failure().reason;
-  EXPECT_NE(result.failure().reason.find("text"), std::string::npos) << result.failure().reason;
+  const Service reply = pair->server().Serve<OldLine, OtherLine>("reply", [](const OldLine&) { return OtherLine(); });
+  for (const char* service : {"request", "reply"}) {
+    const auto result = pair->caller().Call<OldLine, OldLine>(service, OldLine{"ab"}, kLong).Wait();
+    EXPECT_EQ(result.failure().kind, Kind::kTypeMismatch) << result.failure().reason;
+    EXPECT_NE(result.failure().reason.find("text"), std::string::npos) << result.failure().reason;
+  }
   EXPECT_EQ(handled, 0);
 }
 
-TEST_P(ServiceBetweenSessions, BulkReplyArrivesAsABulkMessage) {
-  Pair pair(PlacesOf(GetParam()));
-  const Service service = pair.server().Serve<Sum, BulkCloud>("cloud", CloudOf);
+TEST_P(ServiceBetweenSessions, BulkReplyArrivesAsABulkMessageOrAsAPlainOneForAPlainCaller) {
+  const Service service = pair->server().Serve<Sum, BulkCloud>("cloud", CloudOf);
   for (const char value : {'a', 'b'}) {
-    const auto bulk = pair.caller().Call<Sum, BulkCloud>("cloud", Sum{value, 0}, kLong).Wait();
+    const auto bulk = pair->caller().Call<Sum, BulkCloud>("cloud", Sum{value, 0}, kLong).Wait();
     ASSERT_TRUE(bulk) << bulk.failure().reason;
     EXPECT_EQ(bulk->head().frame_id(), "lidar");
     EXPECT_TRUE(AsText(bulk->bytes()) == std::string(kSize, value));
   }
-}
-
-TEST_P(ServiceBetweenSessions, BulkReplyArrivesAsAPlainMessageForAPlainCaller) {
-  Pair pair(PlacesOf(GetParam()));
-  const Service service = pair.server().Serve<Sum, BulkCloud>("cloud", CloudOf);
-  const auto plain = pair.caller().Call<Sum, PointCloud>("cloud", Sum{'c', 0}, kLong).Wait();
+  const Service plainly = pair->server().Serve<Sum, BulkCloud>("plainly", CloudOf);
+  const auto plain = pair->caller().Call<Sum, PointCloud>("plainly", Sum{'c', 0}, kLong).Wait();
   ASSERT_TRUE(plain) << plain.failure().reason;
   EXPECT_EQ(plain->frame_id(), "lidar");
   EXPECT_TRUE(plain->data() == std::string(kSize, 'c'));
@@ -194,7 +172,7 @@ TEST(ServiceInOneSession, PassesABulkReplyByPointer) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Placed, ServiceBetweenSessions, testing::Values("sharedmemory", "ipc", "tcp"),
-                         [](const auto& placed) { return placed.param; });
+                         test::TransportName);
 
 }  // namespace
 }  // namespace hgros

@@ -1,21 +1,8 @@
 // Waiting for replies inside callbacks, with as few threads as possible.
-#include <atomic>
-#include <functional>
-#include <thread>
-#include <vector>
-
 #include "services/services_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Add;
-using test::Await;
-using test::Kind;
-using test::kLong;
-using test::Robot;
-using test::Sum;
-using test::Total;
 
 const std::string kAlone = "discovery: {local: false}\ndata_graph: {threads: 1}\n";
 
@@ -25,7 +12,7 @@ struct Hosting {
   Invoke invoke;
 };
 
-class WaitingInACallback : public test::DomainFixture, public testing::WithParamInterface<Hosting> {
+class WaitingInACallback : public DomainFixture, public testing::WithParamInterface<Hosting> {
  protected:
   [[nodiscard]] static NodeOptions Options() { return {.executor = GetParam().executor}; }
   [[nodiscard]] static bool HandlesOneAtATime() {
@@ -38,38 +25,25 @@ TEST_P(WaitingInACallback, ReceivesTheReplyOfAServiceOfItsOwnSession) {
   const Service service = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
   for (const Executor& executor : {Executor::Tbb(), Executor::Inline(), Executor::Dedicated()}) {
     std::atomic<int> sum{0};
-    const auto node = robot->FromAny<Sum>("in", Invoke::kSerial,
-                                          [&](const Sum& in) {
-                                            const auto result = robot->Call<Sum, Total>("add", in, kLong).Wait();
-                                            sum = result ? result->value : -1;
-                                          },
-                                          {.executor = executor});
+    const auto call = [&](const Sum& in) {
+      const auto result = robot->Call<Sum, Total>("add", in, kLong).Wait();
+      sum = result ? result->value : -1;
+    };
+    const auto node = robot->FromAny<Sum>("in", Invoke::kSerial, call, {.executor = executor});
     robot->ToAny("in", Sum{4, 5});
     EXPECT_TRUE(Await([&] { return sum == 9; })) << sum;
   }
-}
-
-TEST_P(WaitingInACallback, ReceivesTheReplyInTheCallbackOfACall) {
-  Robot robot(kAlone);
-  const Service service = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
-  std::atomic<int> sum{0};
+  std::atomic<int> sum{0};  // In the callback of a call.
   robot->Call<Sum, Total>("add", Sum{1, 1}, kLong, [&](const CallResult<Total>& first) {
     const auto second = robot->Call<Sum, Total>("add", Sum{first->value, 1}, kLong).Wait();
     sum = second ? second->value : -1;
   });
   EXPECT_TRUE(Await([&] { return sum == 3; })) << sum;
-}
-
-TEST_P(WaitingInACallback, ReceivesTheReplyOfAnotherServiceInsideAHandler) {
-  Robot robot(kAlone);
-  const Service add = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
-  const Service twice = robot->Serve<Sum, Total>(
-      "twice",
-      [&](const Sum& sum) {
-        const auto once = robot->Call<Sum, Total>("add", sum, kLong).Wait();
-        return Total{once ? 2 * once->value : -1};
-      },
-      GetParam().invoke, Options());
+  const auto call_twice = [&](const Sum& in) {  // In the handler of another service.
+    const auto once = robot->Call<Sum, Total>("add", in, kLong).Wait();
+    return Total{once ? 2 * once->value : -1};
+  };
+  const Service twice = robot->Serve<Sum, Total>("twice", call_twice, GetParam().invoke, Options());
   const auto outer = robot->Call<Sum, Total>("twice", Sum{2, 3}, kLong).Wait();
   ASSERT_TRUE(outer);
   EXPECT_EQ(outer->value, 10);
@@ -143,4 +117,4 @@ INSTANTIATE_TEST_SUITE_P(Hosted, WaitingInACallback,
                          [](const auto& hosted) { return hosted.param.name; });
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

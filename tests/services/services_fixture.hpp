@@ -1,8 +1,5 @@
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "session/domain_fixture.hpp"
 
 namespace hgros::test {
@@ -57,14 +54,18 @@ class Pair {
   }
   [[nodiscard]] Session& server() { return *first_->session; }
   [[nodiscard]] Session& caller() { return second_ ? *second_->session : *first_->session; }
-  [[nodiscard]] Robot& server_robot() { return *first_; }
-  [[nodiscard]] Robot& caller_robot() { return second_ ? *second_ : *first_; }
   void EndServer() { first_.reset(); }
   void EndCaller() { second_.reset(); }
 
  private:
   std::optional<Robot> first_;
   std::optional<Robot> second_;
+};
+
+/// The places are those of the parameter: pointer, sharedmemory, ipc or tcp.
+class PairFixture : public DomainFixture, public testing::WithParamInterface<std::string> {
+ protected:
+  std::optional<Pair> pair{std::in_place, PlacesOf(GetParam())};
 };
 
 }  // namespace hgros::test

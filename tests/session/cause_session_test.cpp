@@ -1,22 +1,12 @@
 // Causes travel between sessions: by pointer, through shared memory, over ipc and over tcp.
-#include <array>
-#include <atomic>
 #include <map>
-#include <optional>
 
 #include "services/services_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
 using namespace std::chrono_literals;
-using test::Await;
-using test::kLong;
-using test::kPatience;
-using test::Pair;
-using test::PlacesOf;
-using test::Sum;
-using test::Total;
 
 class KeptInfos {
  public:
@@ -43,24 +33,23 @@ class KeptInfos {
   std::map<std::string, MessageInfo> infos_;
 };
 
-class CausesBetweenSessions : public test::DomainFixture, public testing::WithParamInterface<std::string> {};
+class CausesBetweenSessions : public PairFixture {};
 
 TEST_P(CausesBetweenSessions, TravelThereAndBack) {
-  Pair pair(PlacesOf(GetParam()));
   KeptInfos kept;
-  const auto scan = pair.caller().Advertise<Sum>("scan");
-  const auto own = pair.caller().FromAny<Sum>("scan", Invoke::kSerial, kept.As("scan at its publisher"));
+  const auto scan = pair->caller().Advertise<Sum>("scan");
+  const auto own = pair->caller().FromAny<Sum>("scan", Invoke::kSerial, kept.As("scan at its publisher"));
   scan(Sum{});  // Not sent, so the numbers inside the process and outside differ.
-  const auto map = pair.server().Advertise<Sum>("map");
+  const auto map = pair->server().Advertise<Sum>("map");
   const auto on_scan =
-      pair.server().FromAny<Sum>("scan", Invoke::kSerial, [&](const Sum& sum, const MessageInfo& info) {
+      pair->server().FromAny<Sum>("scan", Invoke::kSerial, [&](const Sum& sum, const MessageInfo& info) {
         kept.Add("scan", info);
-        test::Linger(5ms);
+        Linger(5ms);
         map(sum);
       });
-  const auto on_map = pair.caller().FromAny<Sum>("map", Invoke::kSerial, kept.As("map"), {.name = "planner"});
-  ASSERT_TRUE(pair.caller().WaitForSubscribers("scan", 2, kPatience));
-  ASSERT_TRUE(pair.server().WaitForSubscribers("map", 1, kPatience));
+  const auto on_map = pair->caller().FromAny<Sum>("map", Invoke::kSerial, kept.As("map"), {.name = "planner"});
+  ASSERT_TRUE(pair->caller().WaitForSubscribers("scan", 2, kPatience));
+  ASSERT_TRUE(pair->server().WaitForSubscribers("map", 1, kPatience));
   const std::int64_t before = MonotonicNow();
   ASSERT_EQ(scan(Sum{}), PublishStatus::kOk);
   const MessageInfo result = kept.at("map");
@@ -80,23 +69,22 @@ TEST_P(CausesBetweenSessions, TravelThereAndBack) {
 }
 
 TEST_P(CausesBetweenSessions, TravelFromATimerThroughAService) {
-  Pair pair(PlacesOf(GetParam()));
   KeptInfos kept;
-  const auto done = pair.server().Advertise<Sum>("done");
-  const Service service = pair.server().Serve<Sum, Total>("add", [&](const Sum& sum) {
+  const auto done = pair->server().Advertise<Sum>("done");
+  const Service service = pair->server().Serve<Sum, Total>("add", [&](const Sum& sum) {
     done(sum);
     return Total{sum.a + sum.b};
   });
-  const auto on_done = pair.caller().FromAny<Sum>("done", Invoke::kSerial, kept.As("done"));
-  ASSERT_TRUE(pair.server().WaitForSubscribers("done", 1, kPatience));
-  const auto reply = pair.caller().Advertise<Sum>("reply");
-  const auto on_reply = pair.caller().FromAny<Sum>("reply", Invoke::kSerial, kept.As("reply"));
+  const auto on_done = pair->caller().FromAny<Sum>("done", Invoke::kSerial, kept.As("done"));
+  ASSERT_TRUE(pair->server().WaitForSubscribers("done", 1, kPatience));
+  const auto reply = pair->caller().Advertise<Sum>("reply");
+  const auto on_reply = pair->caller().FromAny<Sum>("reply", Invoke::kSerial, kept.As("reply"));
   CallTicket ticket;
   std::atomic<bool> called{false};
-  const NodeTimer timer = pair.caller().CreateTimer("go", 5ms, [&](const Tick&) {
+  const NodeTimer timer = pair->caller().CreateTimer("go", 5ms, [&](const Tick&) {
     if (called.exchange(true)) return;
-    ticket = pair.caller().Call<Sum, Total>("add", std::make_unique<Sum>(Sum{1, 2}), kLong,
-                                            [&](const CallResult<Total>&) { reply(Sum{}); });
+    ticket = pair->caller().Call<Sum, Total>("add", std::make_unique<Sum>(Sum{1, 2}), kLong,
+                                             [&](const CallResult<Total>&) { reply(Sum{}); });
   });
   for (const char* name : {"done", "reply"}) {
     const MessageInfo info = kept.at(name);
@@ -106,7 +94,7 @@ TEST_P(CausesBetweenSessions, TravelFromATimerThroughAService) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Everywhere, CausesBetweenSessions, testing::Values("pointer", "sharedmemory", "ipc", "tcp"),
-                         [](const auto& placed) { return placed.param; });
+                         TransportName);
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
 class ClockFollowerTest : public testing::Test {
@@ -83,4 +83,4 @@ TEST_F(ClockFollowerTest, AClockThatGoesBackWithoutAJumpIsTakenAsOneThatJumps) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,17 +1,13 @@
 // Sessions over tcp whose wall clocks differ, as those of two hosts do.
 #include <cmath>
-#include <optional>
 
 #include "hgros/clock/system_clocks.hpp"
 #include "session/domain_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
 using namespace std::chrono_literals;
-using test::Await;
-using test::kPatience;
-using test::Note;
 
 const std::string kQuick = "heartbeat_ms: 5, peer_timeout_ms: 10000";
 
@@ -115,7 +111,7 @@ TEST(ClockOffsetOfSessions, IsUnknownForStrangersAndForPeersThatAreGone) {
   EXPECT_TRUE(Await([&] { return !publisher->OffsetTo(id).has_value(); }));
 }
 
-class ClockOffsetOnOneHost : public test::DomainFixture {};
+class ClockOffsetOnOneHost : public DomainFixture {};
 
 TEST_F(ClockOffsetOnOneHost, IsZeroAtOnce) {
   Session one;
@@ -131,4 +127,4 @@ TEST_F(ClockOffsetOnOneHost, IsZeroAtOnce) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

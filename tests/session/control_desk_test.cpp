@@ -11,7 +11,7 @@
 
 #include "session/bare_bridge.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
 using testing::ElementsAre;
@@ -44,7 +44,7 @@ class ControlDeskTest : public testing::Test {
   bool has_memory_ = true;
   std::vector<std::function<void()>> errands_;
   std::uint64_t number_ = 0;
-  test::BareBridge bridge_;
+  BareBridge bridge_;
   ControlDesk desk_{*bridge_,
                     {.self = kSelf,
                      .log = std::make_shared<Log>([](LogLevel, std::string_view) {}),
@@ -80,4 +80,4 @@ TEST_F(ControlDeskTest, IsNotBehindAfterAnErrandThatCouldNotBePosted) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdlib>
-#include <string>
 
 #include "session/session_fixture.hpp"
 
@@ -14,5 +13,8 @@ class DomainFixture : public testing::Test {
   ~DomainFixture() override { Enter("none"); }
   static void Enter(const std::string& domain) { setenv("HGROS_DOMAIN", domain.c_str(), 1); }
 };
+
+/// The parameter names the transport.
+inline std::string TransportName(const testing::TestParamInfo<std::string>& info) { return info.param; }
 
 }  // namespace hgros::test

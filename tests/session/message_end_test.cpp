@@ -1,21 +1,13 @@
 // The destructor of a message is user code. It runs under no lock of the library, so it may publish.
-#include <thread>
-#include <vector>
-
 #include "session/domain_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Bus;
-using test::kPatience;
-using test::Robot;
 
 /// Without shared memory the transports keep the message itself instead of a copy.
 constexpr const char* kNoMemory = "shared_memory: {limit_bytes: 4096}\n";
 
-class MessageEnd : public test::DomainFixture {
+class MessageEnd : public DomainFixture {
  protected:
   /// `talker` publishes to `listener`. The destructor of a message publishes another one on the same channel.
   static void Run(Robot& talker, Robot& listener) {
@@ -68,4 +60,4 @@ TEST_F(MessageEnd, DestructorMayPublishOnItsOwnChannelOverZeroMq) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "session/domain_fixture.hpp"
 
 namespace hgros::test {
@@ -47,7 +44,5 @@ class ObservedFixture : public DomainFixture, public testing::WithParamInterface
   std::optional<Robot> robot;
   std::optional<Robot> observer;
 };
-
-inline std::string TransportName(const testing::TestParamInfo<std::string>& info) { return info.param; }
 
 }  // namespace hgros::test

@@ -3,8 +3,6 @@
 #include <signal.h>
 
 #include <array>
-#include <atomic>
-#include <chrono>
 
 #include <foxglove/Vector3.pb.h>
 #include <hgros/SessionControl.pb.h>
@@ -16,15 +14,9 @@
 #include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::kPatience;
-using test::Note;
-using test::Notes;
-using test::RawSocket;
-using test::Robot;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -48,7 +40,7 @@ ControlAnswer Order(const Robot& desk, SessionId robot, const ControlOrder& orde
   return AskSessions(*desk.session, asked, order, timeout).at(0);
 }
 
-class OneWayControl : public test::DomainFixture {
+class OneWayControl : public DomainFixture {
  protected:
   // A robot that lets this key subscribe.
   [[nodiscard]] std::string RobotLetsIn(const CurveKeyPair& key, const std::string& more = {}) const {
@@ -69,8 +61,8 @@ TEST_F(OneWayControl, CarriesOutEachActionForAnAllowedKey) {
   Robot robot(RobotLetsIn(desks_));
   Robot desk(DeskOf(robot), "desk");
   Notes own;
-  const Subscription notes = robot->FromAny<Note>("notes", test::kSerial, std::ref(own), test::Inline());
-  const Subscription heard = robot->FromAny<foxglove::Vector3>("heard", test::kSerial, [](const foxglove::Vector3&) {});
+  const Subscription notes = robot->FromAny<Note>("notes", kSerial, std::ref(own), Inline());
+  const Subscription heard = robot->FromAny<foxglove::Vector3>("heard", kSerial, [](const foxglove::Vector3&) {});
   const auto publish = robot->Advertise<Note>("notes");
   const auto done = [&](const ControlOrder& order) {
     const ControlAnswer answer = Order(desk, robot->id(), order);
@@ -101,16 +93,22 @@ TEST_F(OneWayControl, CarriesOutEachActionForAnAllowedKey) {
   EXPECT_EQ(robot->Snapshot().refused_orders, 0U);
 }
 
-TEST_F(OneWayControl, RefusesWithoutKeysAndSaysSoOnce) {
-  Robot robot(Publishing(""));
-  Robot desk(Subscribing(robot->PublisherEndpoints().at(0), ""), "desk");
-  for (int i = 0; i < 2; ++i) {
-    const ControlAnswer answer = Order(desk, robot->id(), {ControlAction::kStop, {}, {}});
-    EXPECT_TRUE(answer.answered);
-    EXPECT_THAT(answer.refusal, StartsWith("Only sessions of the same user on the same host"));
+TEST_F(OneWayControl, RefusesWithoutKeysAndSaysSoOnceAlsoIfTheRobotReceivesFromTheDesk) {
+  for (const bool receives : {false, true}) {
+    SCOPED_TRACE(receives);
+    Robot robot(Publishing(""));
+    Robot desk(Subscribing(robot->PublisherEndpoints().at(0), receives ? ", publisher: {ip: 'tcp://127.0.0.1:*'}" : ""),
+               "desk");
+    if (receives) robot->AddSubscriberEndpoint({desk->PublisherEndpoints().at(0), {}, true});
+    for (int i = 0; i < 2; ++i) {
+      const ControlAnswer answer = Order(desk, robot->id(), {ControlAction::kStop, {}, {}});
+      EXPECT_TRUE(answer.answered);
+      EXPECT_THAT(answer.refusal, StartsWith("Only sessions of the same user on the same host"));
+    }
+    EXPECT_GE(robot->Snapshot().refused_orders, 2U);
+    EXPECT_EQ(robot.Count("A request to change something in this session was refused"), 1U);
+    EXPECT_FALSE(robot.Said("has steered"));
   }
-  EXPECT_GE(robot->Snapshot().refused_orders, 2U);
-  EXPECT_EQ(robot.Count("A request to change something in this session was refused"), 1U);
 }
 
 TEST_F(OneWayControl, HearsNothingFromAKeyThatIsNotAllowed) {
@@ -121,20 +119,18 @@ TEST_F(OneWayControl, HearsNothingFromAKeyThatIsNotAllowed) {
   EXPECT_EQ(robot->Snapshot().refused_orders, 0U);
 }
 
-TEST_F(OneWayControl, IsOffIfTheConfigurationSaysSo) {
-  Robot robot(RobotLetsIn(desks_, "control: off\n"));
-  Robot desk(DeskOf(robot), "desk");
-  ASSERT_TRUE(Await([&] { return !desk->Peers().empty(); }));
-  EXPECT_FALSE(Order(desk, robot->id(), {ControlAction::kClose, "notes", {}}, kInVain).answered);
-}
-
-TEST_F(OneWayControl, IsNotPossibleWhereNoRepliesLeave) {
-  Robot robot("network: {publisher: {ip: 'tcp://127.0.0.1:*', channels: [notes]}" +
-              Keys(robots_, "allowed_clients: ['" + desks_.public_key + "']") + "}\ndiscovery: {local: false}\n");
-  Robot desk(DeskOf(robot), "desk");
-  ASSERT_TRUE(Await([&] { return !desk->Peers().empty(); }));
-  EXPECT_FALSE(Order(desk, robot->id(), {ControlAction::kClose, "notes", {}}, kInVain).answered);
-  EXPECT_FALSE(robot.Said("has steered"));
+TEST_F(OneWayControl, IsNotPossibleIfItIsOffOrNoRepliesLeave) {
+  const std::string lists_others = "network: {publisher: {ip: 'tcp://127.0.0.1:*', channels: [notes]}" +
+                                   Keys(robots_, "allowed_clients: ['" + desks_.public_key + "']") +
+                                   "}\ndiscovery: {local: false}\n";
+  for (const std::string& yaml : {RobotLetsIn(desks_, "control: off\n"), lists_others}) {
+    SCOPED_TRACE(yaml);
+    Robot robot(yaml);
+    Robot desk(DeskOf(robot), "desk");
+    ASSERT_TRUE(Await([&] { return !desk->Peers().empty(); }));
+    EXPECT_FALSE(Order(desk, robot->id(), {ControlAction::kClose, "notes", {}}, kInVain).answered);
+    EXPECT_FALSE(robot.Said("has steered"));
+  }
 }
 
 // A program that speaks for a session, and sends orders of its own.
@@ -224,7 +220,7 @@ TEST(OneWayOrder, IsWrittenAsInTheExampleOfTheWireProtocol) {
 class RobotOfMinor : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(RobotOfMinor, GetsOrdersFromItsThirdOnOnly) {
-  const test::Folder folder;
+  const ScratchFolder folder;
   RawSocket robot(ZMQ_XPUB);
   ASSERT_EQ(zmq_bind(robot.get(), folder.Ipc().c_str()), 0);
   Robot desk(Subscribing(folder.Ipc(), ""), "desk");
@@ -260,4 +256,4 @@ TEST_P(RobotOfMinor, GetsOrdersFromItsThirdOnOnly) {
 INSTANTIATE_TEST_SUITE_P(OneWayControl, RobotOfMinor, testing::Values(0, 2, 3));
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -11,7 +11,7 @@
 #include "hgros/codec/raw_message.hpp"
 #include "session/bare_bridge.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
 class OutboundChannelsTest : public testing::Test {
@@ -49,7 +49,7 @@ class OutboundChannelsTest : public testing::Test {
     if (!has_memory_) throw std::bad_alloc();
     errands_.push_back(std::move(errand));
   };
-  test::BareBridge bridge_;
+  BareBridge bridge_;
   OutboundChannels channels_{MessageId{1, 1, 0}, std::make_shared<Log>([](LogLevel, std::string_view) {}),
                              std::make_shared<HostClocks>()};
 };
@@ -101,4 +101,4 @@ TEST_F(OutboundChannelsTest, OutletThatIsOpenedAfterTheEndReachesNobody) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

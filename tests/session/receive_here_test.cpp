@@ -1,28 +1,21 @@
 // Threads of the program that receive messages themselves.
-#include <atomic>
-#include <chrono>
-#include <string>
-#include <thread>
-
 #include "session/domain_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::Note;
-using test::Robot;
 
 constexpr auto kForever = std::chrono::steady_clock::time_point::max();
 
 const NodeOptions kInline{.queue = Queue::KeepAll(1000), .executor = Executor::Inline()};
 const NodeOptions kOnWorkers{.queue = Queue::KeepAll(1000)};
 
-class ReceiveHere : public test::DomainFixture {};
+class ReceiveHere : public DomainFixture {
+ protected:
+  Robot sender{""};
+  Robot robot{""};
+};
 
 TEST_F(ReceiveHere, RunsInlineCallbacksOnThisThreadAndOthersOnWorkers) {
-  Robot sender("");
-  Robot robot("");
   std::atomic<int> here{0}, elsewhere{0}, on_workers{0}, on_this_thread{0};
   const auto self = std::this_thread::get_id();
   const auto first = robot->FromAny<Note>(
@@ -33,14 +26,14 @@ TEST_F(ReceiveHere, RunsInlineCallbacksOnThisThreadAndOthersOnWorkers) {
       [&](const Note&) { ++(std::this_thread::get_id() == self ? on_this_thread : on_workers); }, kOnWorkers);
   const auto near = sender->Advertise<Note>("near");
   const auto far = sender->Advertise<Note>("far");
-  ASSERT_TRUE(sender->WaitForSubscribers("near", 1, test::kPatience));
-  ASSERT_TRUE(sender->WaitForSubscribers("far", 1, test::kPatience));
+  ASSERT_TRUE(sender->WaitForSubscribers("near", 1, kPatience));
+  ASSERT_TRUE(sender->WaitForSubscribers("far", 1, kPatience));
   // Which thread wakes up first is up to the system, so this goes on until the receiver has received something.
   constexpr int kMessages = 300;
   std::atomic<int> sent{0};
   std::atomic<bool> all_sent{false};
   std::jthread talker([&] {
-    const auto deadline = std::chrono::steady_clock::now() + test::kPatience;
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (sent < kMessages || (here == 0 && std::chrono::steady_clock::now() < deadline)) {
       EXPECT_EQ(near.Wait(std::make_unique<Note>("a"), deadline), PublishStatus::kOk);
       EXPECT_EQ(far.Wait(std::make_unique<Note>("b"), deadline), PublishStatus::kOk);
@@ -62,8 +55,6 @@ TEST_F(ReceiveHere, RunsInlineCallbacksOnThisThreadAndOthersOnWorkers) {
 }
 
 TEST_F(ReceiveHere, LosesNothingWhileThreadsComeAndGo) {
-  Robot sender("");
-  Robot robot("");
   std::atomic<int> seen{0};
   std::atomic<bool> in_order{true};
   const auto subscription = robot->FromAny<Note>(
@@ -74,13 +65,12 @@ TEST_F(ReceiveHere, LosesNothingWhileThreadsComeAndGo) {
       },
       kInline);
   const auto publish = sender->Advertise<Note>("notes");
-  ASSERT_TRUE(sender->WaitForSubscribers("notes", 1, test::kPatience));
+  ASSERT_TRUE(sender->WaitForSubscribers("notes", 1, kPatience));
   constexpr int kMessages = 20'000;
   std::jthread talker([&] {
     for (int i = 0; i < kMessages; ++i) {
-      ASSERT_EQ(
-          publish.Wait(std::make_unique<Note>(std::to_string(i)), std::chrono::steady_clock::now() + test::kPatience),
-          PublishStatus::kOk);
+      ASSERT_EQ(publish.Wait(std::make_unique<Note>(std::to_string(i)), std::chrono::steady_clock::now() + kPatience),
+                PublishStatus::kOk);
       if (i % 100 == 0) {  // Then everybody sleeps.
         EXPECT_TRUE(Await([&] { return seen > i; }));
       }
@@ -106,8 +96,6 @@ TEST_F(ReceiveHere, LosesNothingWhileThreadsComeAndGo) {
 }
 
 TEST_F(ReceiveHere, ACallbackMayWaitForOthersHoweverManyMessagesFollow) {
-  Robot sender("");
-  Robot robot("");
   std::atomic<int> seen{0};
   std::atomic<bool> all_sent{false}, found{false};
   const auto subscription = robot->FromAny<Note>(
@@ -117,13 +105,13 @@ TEST_F(ReceiveHere, ACallbackMayWaitForOthersHoweverManyMessagesFollow) {
         if (++seen != 100) return;
         const Robot late("");  // Meeting another session takes the thread on which this one does errands.
         const auto publish = late->Advertise<Note>("late");
-        found = late->WaitForSubscribers("late", 1, test::kPatience);
+        found = late->WaitForSubscribers("late", 1, kPatience);
       },
       kInline);
   const auto second = robot->FromAny<Note>(
       "late", Invoke::kSerial, [](const Note&) {}, kInline);
   const auto publish = sender->Advertise<Note>("notes");
-  ASSERT_TRUE(sender->WaitForSubscribers("notes", 1, test::kPatience));
+  ASSERT_TRUE(sender->WaitForSubscribers("notes", 1, kPatience));
   std::jthread talker([&] {
     for (int i = 0; i < 200; ++i) publish(Note("a"));
     all_sent = true;
@@ -136,18 +124,16 @@ TEST_F(ReceiveHere, ACallbackMayWaitForOthersHoweverManyMessagesFollow) {
 }
 
 TEST_F(ReceiveHere, EndsWhenWokenAndAtItsDeadline) {
-  Robot other("");
-  Robot robot("");
   const auto subscription = robot->FromAny<Note>(
       "notes", Invoke::kSerial, [](const Note&) {}, kInline);
-  const auto publish = other->Advertise<Note>("notes");
-  ASSERT_TRUE(other->WaitForSubscribers("notes", 1, test::kPatience));
+  const auto publish = sender->Advertise<Note>("notes");
+  ASSERT_TRUE(sender->WaitForSubscribers("notes", 1, kPatience));
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(10);
   while (std::chrono::steady_clock::now() < until) ASSERT_TRUE(robot->ReceiveHere([] { return false; }, until));
   std::atomic<bool> done{false}, asked{false};
   std::jthread waker([&] {
     EXPECT_TRUE(Await([&] { return asked.load(); }));
-    test::Linger(std::chrono::milliseconds(10));
+    Linger(std::chrono::milliseconds(10));
     EXPECT_FALSE(robot->ReceiveHere([] { return true; }, kForever));  // Another thread does.
     done = true;
     robot->WakeReceiver();
@@ -169,4 +155,4 @@ TEST_F(ReceiveHere, IsRefusedWithoutSharedMemory) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

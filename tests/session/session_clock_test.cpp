@@ -1,23 +1,17 @@
 // A simulated clock that all sessions of a domain follow.
 #include <cmath>
-#include <functional>
-#include <optional>
-#include <thread>
 
 #include <hgros/SimulatedTime.pb.h>
 
 #include "hgros/clock/following_clock.hpp"
 #include "hgros/clock/rate.hpp"
 #include "hgros/session/clock_publisher.hpp"
-#include "session/domain_fixture.hpp"
+#include "services/services_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
 using namespace std::chrono_literals;
-using test::Await;
-using test::Bus;
-using test::Robot;
 
 const std::string kSimulated = "time: simulated\n";
 // A time that differs from the wall clock.
@@ -25,19 +19,6 @@ constexpr Time kStart{1'000'000'000'000'000};
 
 bool Shows(const Session& session, Time time) {
   return Await([&] { return session.clock()->Now() == time; });
-}
-
-// The program: a simulation that steps, and a controller with a timer.
-void Simulate(Session& session, const std::function<bool(Time)>& controller_is_at) {
-  const auto clock = SimulatedClock::Paused(kStart);
-  const ClockPublisher publisher(session, clock);
-  ASSERT_TRUE(controller_is_at(kStart));
-  for (int step = 0; step < 20; ++step) {
-    clock->Step(10ms);
-    ASSERT_TRUE(controller_is_at(clock->Now())) << step;
-  }
-  clock->JumpTo(Time{5});
-  ASSERT_TRUE(controller_is_at(Time{5}));
 }
 
 class Controller {
@@ -62,59 +43,49 @@ class Controller {
   NodeTimer timer_;
 };
 
-struct Placement {
-  std::string name;
-  std::string simulation;
-  /// The controller's configuration, made once the simulation's session exists. Empty: it runs in that session.
-  std::function<std::optional<std::string>(Session& simulation)> controller;
-};
+class SessionClockOnEveryTransport : public DomainFixture, public testing::WithParamInterface<std::string> {};
 
-std::string SubscribingAt(const Session& session) {
-  return "network: {subscribers: [{ip: \"" + session.PublisherEndpoints().at(0) + "\"}]}\ndiscovery: {local: false}\n";
-}
-
-const Bus& TheBus() {
-  static const Bus bus;
-  return bus;
-}
-
-class SessionClockOnEveryTransport : public test::DomainFixture, public testing::WithParamInterface<Placement> {};
-
+// The program: a simulation that steps, and a controller with a timer.
 TEST_P(SessionClockOnEveryTransport, FollowsThePublishedClock) {
-  Robot simulation(kSimulated + GetParam().simulation, "simulation");
-  std::optional<Robot> apart;
-  if (const auto yaml = GetParam().controller(*simulation.session)) apart.emplace(kSimulated + *yaml, "controller");
-  Session& session = apart ? *apart->session : *simulation.session;
-  const Controller controller(session);
-  EXPECT_EQ(session.clock()->Now(), Time{}) << "no clock is published yet";
-  Simulate(*simulation.session, [&](Time time) { return controller.IsAt(time); });
+  Pair pair(PlacesOf(GetParam()), kSimulated, kSimulated);
+  const Controller controller(pair.caller());
+  EXPECT_EQ(pair.caller().clock()->Now(), Time{}) << "no clock is published yet";
+  const auto clock = SimulatedClock::Paused(kStart);
+  const ClockPublisher publisher(pair.server(), clock);
+  ASSERT_TRUE(controller.IsAt(kStart));
+  for (int step = 0; step < 20; ++step) {
+    clock->Step(10ms);
+    ASSERT_TRUE(controller.IsAt(clock->Now())) << step;
+  }
+  clock->JumpTo(Time{5});
+  ASSERT_TRUE(controller.IsAt(Time{5}));
   EXPECT_EQ(controller.jumped_to(), Time{5});
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Placed, SessionClockOnEveryTransport,
-    testing::Values(Placement{"pointer", "", [](Session&) { return std::nullopt; }},
-                    Placement{"sharedmemory", "", [](Session&) { return std::optional<std::string>(""); }},
-                    Placement{"ipc", TheBus().Publishing("simulation"),
-                              [](Session& simulation) { return std::optional(SubscribingAt(simulation)); }},
-                    Placement{"tcp", "network: {publisher: {ip: 'tcp://127.0.0.1:*'}}",
-                              [](Session& simulation) { return std::optional(SubscribingAt(simulation)); }}),
-    [](const auto& placed) { return placed.param.name; });
+INSTANTIATE_TEST_SUITE_P(Placed, SessionClockOnEveryTransport, testing::Values("pointer", "sharedmemory", "ipc", "tcp"),
+                         TransportName);
 
-class SessionClock : public test::DomainFixture {};
+class SessionClock : public DomainFixture {};
 
-TEST_F(SessionClock, IsTheSystemClockByDefault) {
+class SimulatedSession : public SessionClock {
+ protected:
+  const Robot simulation{""};
+  Robot robot{kSimulated};
+};
+
+TEST_F(SessionClock, IsTheSystemClockUnlessYamlSaysOtherwise) {
   const Robot robot("");
   const Time before = WallNow();
   const Time shown = robot->clock()->Now();
   EXPECT_GE(shown, before);
   EXPECT_LE(shown, WallNow());
   EXPECT_FALSE(robot->config().simulated_time);
+  EXPECT_TRUE(Config::Parse("time: simulated").simulated_time);
+  EXPECT_FALSE(Config::Parse("time: system").simulated_time);
+  EXPECT_THROW((void)Config::Parse("time: simulate"), ConfigError);
 }
 
-TEST_F(SessionClock, KeepsRunningBetweenMessages) {
-  const Robot simulation("");
-  const Robot robot(kSimulated);
+TEST_F(SimulatedSession, KeepsRunningBetweenMessages) {
   const auto clock = std::make_shared<SimulatedClock>(kStart);
   clock->SetRate(1000);
   const ClockPublisher publisher(*simulation.session, clock);
@@ -138,7 +109,7 @@ TEST_F(SessionClock, SaysThatNoClockIsPublished) {
   EXPECT_TRUE(Await([&] { return waiting.Said("No clock was heard on the channel \"clock\" so far"); }));
   const auto took = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(took, 4s) << "a clock that begins a little later is nothing to speak of";
-  test::Linger(200ms);
+  Linger(200ms);
   EXPECT_EQ(waiting.Count("No clock was heard"), 1U);
   EXPECT_FALSE(following.Said("No clock was heard"));
 }
@@ -154,16 +125,19 @@ TEST_F(SessionClock, ReachesLateSessions) {
   }
 }
 
-TEST_F(SessionClock, WakesSleepersAndPausesWhenThePublishedClockEnds) {
-  const Robot simulation("");
-  const Robot robot(kSimulated);
+TEST_F(SimulatedSession, WakesSleepersDespiteAListenerThatThrowsAndPausesWhenThePublishedClockEnds) {
   const auto clock = std::make_shared<SimulatedClock>(kStart);
   auto publisher = std::make_optional<ClockPublisher>(*simulation.session, clock);
   ASSERT_TRUE(Await([&] { return robot->clock()->Now() >= kStart; }));
+  const Listening throwing = robot->clock()->OnJump([](const ClockJump&) { throw std::runtime_error("no jumps"); });
+  std::atomic<bool> told{false};
+  const Listening telling = robot->clock()->OnJump([&](const ClockJump&) { told = true; });
   std::atomic<bool> awake{false};
   std::jthread sleeper([&] { awake = SleepUntil(*robot->clock(), kStart + 24h); });
+  Linger(10ms);
   clock->JumpTo(kStart + 25h);
-  EXPECT_TRUE(Await([&] { return awake.load(); }));
+  EXPECT_TRUE(Await([&] { return awake && told; })) << "a listener that throws keeps nobody asleep";
+  EXPECT_TRUE(Await([&] { return robot.Said("session's clock threw: no jumps"); }));
 
   publisher.reset();
   const auto follower = std::dynamic_pointer_cast<FollowingClock>(robot->clock());
@@ -173,23 +147,6 @@ TEST_F(SessionClock, WakesSleepersAndPausesWhenThePublishedClockEnds) {
   EXPECT_GE(stands, kStart + 25h);
   publisher.emplace(*simulation.session, SimulatedClock::Paused(kStart + 1s));
   EXPECT_TRUE(Shows(*robot.session, kStart + 1s)) << "another simulation begins";
-}
-
-TEST_F(SessionClock, AListenerThatThrowsIsLoggedAndKeepsNobodyAsleep) {
-  const Robot simulation("");
-  Robot robot(kSimulated);
-  const auto clock = SimulatedClock::Paused(kStart);
-  const ClockPublisher publisher(*simulation.session, clock);
-  ASSERT_TRUE(Shows(*robot.session, kStart));
-  const Listening throwing = robot->clock()->OnJump([](const ClockJump&) { throw std::runtime_error("no jumps"); });
-  std::atomic<bool> told{false};
-  const Listening telling = robot->clock()->OnJump([&](const ClockJump&) { told = true; });
-  std::jthread sleeper([&] { EXPECT_TRUE(SleepUntil(*robot->clock(), kStart + 24h)); });
-  test::Linger(10ms);
-  clock->JumpTo(kStart + 25h);
-  sleeper.join();
-  EXPECT_TRUE(Await([&] { return told.load(); }));
-  EXPECT_TRUE(Await([&] { return robot.Said("session's clock threw: no jumps"); }));
 }
 
 TEST_F(SessionClock, PausesWhenItsPublisherIsGoneAndFollowsTheNextOne) {
@@ -227,7 +184,7 @@ TEST_F(SessionClock, FollowsTheFirstOfTwoPublishedClocksAndReportsBoth) {
 
 TEST_F(SessionClock, LatestStateReachesASubscriberThatHadNoRoom) {
   const Robot simulation("");
-  test::Door door;
+  Door door;
   std::atomic<std::int64_t> shown{0};
   const Subscription slow = simulation->FromAny<SimulatedTime>(kClockChannel, Invoke::kSerial,
                                                                [&](const SimulatedTime& time) {
@@ -238,10 +195,8 @@ TEST_F(SessionClock, LatestStateReachesASubscriberThatHadNoRoom) {
   const auto clock = SimulatedClock::Paused(kStart);
   const ClockPublisher publisher(*simulation.session, clock);
   const auto channel = [&] {
-    for (ChannelSnapshot& one : simulation->Snapshot().graph.channels) {
-      if (one.name == kClockChannel) return one;
-    }
-    return ChannelSnapshot();
+    const auto channels = simulation->Snapshot().graph.channels;
+    return *std::ranges::find(channels, kClockChannel, &ChannelSnapshot::name);
   };
   for (std::uint64_t said = 1; channel().refused == 0; ++said) {
     ASSERT_TRUE(Await([&] { return channel().published + channel().refused >= said; }));
@@ -276,11 +231,5 @@ TEST_F(SessionClock, IgnoresMessagesThatCannotBeAClock) {
   EXPECT_EQ(robot->clock()->Now(), Time{77});
 }
 
-TEST_F(SessionClock, IsConfiguredInYaml) {
-  EXPECT_TRUE(Config::Parse("time: simulated").simulated_time);
-  EXPECT_FALSE(Config::Parse("time: system").simulated_time);
-  EXPECT_THROW((void)Config::Parse("time: simulate"), ConfigError);
-}
-
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -5,71 +5,71 @@
 #include <google/protobuf/descriptor.pb.h>
 #include <signal.h>
 
-#include <algorithm>
 #include <array>
-#include <atomic>
-#include <thread>
 
 #include <foxglove/Vector3.pb.h>
 #include <hgros/SessionControl.pb.h>
 
+#include "hgros/session/session_parts.hpp"
 #include "hgros/session/snapshot_message.hpp"
 #include "hgros/transport/curve_key_pair.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
+#include "session/session_core.hpp"
+#include "support/error_of.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::kPatience;
-using test::kSerial;
-using test::Note;
-using test::Notes;
-using test::Robot;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 
 constexpr auto kShort = std::chrono::milliseconds(300);
 
 ControlOrder ForChannel(ControlAction action, const std::string& channel) { return {action, channel, {}}; }
 
-// The answer of one session.
-ControlAnswer Ask(Robot& desk, const Robot& robot, const ControlOrder& order,
-                  std::chrono::nanoseconds timeout = kPatience) {
-  const std::array asked{robot.session->id()};
-  return AskSessions(*desk.session, asked, order, timeout).at(0);
-}
+class SessionControl : public DomainFixture {
+ protected:
+  // The answer of one session.
+  static ControlAnswer Ask(Robot& desk, const Robot& robot, const ControlOrder& order,
+                           std::chrono::nanoseconds timeout = kPatience) {
+    const std::array asked{robot.session->id()};
+    return AskSessions(*desk.session, asked, order, timeout).at(0);
+  }
+};
 
-class SessionControl : public test::DomainFixture {};
+class SteeredSession : public SessionControl {
+ protected:
+  [[nodiscard]] ControlAnswer Asked(const ControlOrder& order) { return Ask(desk, robot, order); }
+  [[nodiscard]] ControlAnswer Asked(ControlAction action, const std::string& channel = "notes") {
+    return Asked(ForChannel(action, channel));
+  }
 
-TEST_F(SessionControl, ClosesAndOpensAChannel) {
-  Robot robot("");
-  Robot desk("", "desk");
+  Robot robot{""};
+  Robot desk{"", "desk"};
+  const Publisher<Note> publish = robot->Advertise<Note>("notes");
+};
+
+TEST_F(SteeredSession, ClosesAndOpensAChannelOrNamesTheNearest) {
   Notes notes;
-  const Subscription own = robot->FromAny<Note>("notes", kSerial, std::ref(notes), test::Inline());
-  const auto publish = robot->Advertise<Note>("notes");
+  const Subscription own = robot->FromAny<Note>("notes", kSerial, std::ref(notes), Inline());
   publish(Note("open"));
-  const ControlAnswer closed = Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"));
+  const ControlAnswer closed = Asked(ControlAction::kClose);
   EXPECT_TRUE(closed.answered);
   EXPECT_EQ(closed.refusal, "");
   EXPECT_THAT(closed.done, StartsWith("Channel \"notes\" is closed"));
   publish(Note("closed"));
-  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kOpen, "notes")).refusal, "");
+  EXPECT_EQ(Asked(ControlAction::kOpen).refusal, "");
   publish(Note("again"));
   EXPECT_THAT(notes.texts(), ElementsAre("open", "again"));
   EXPECT_TRUE(Await([&] { return robot.Said("(desk, process "); }));
   EXPECT_TRUE(robot.Said("has steered this session. Channel \"notes\" is closed"));
-}
-
-TEST_F(SessionControl, NamesTheNearestChannelIfThereIsNone) {
-  Robot robot("");
-  Robot desk("", "desk");
-  const auto publish = robot->Advertise<Note>("notes");
-  EXPECT_THAT(Ask(desk, robot, ForChannel(ControlAction::kClose, "ntoes")).done,
+  EXPECT_THAT(Asked(ControlAction::kClose, "ntoes").done,
               HasSubstr("does not use a channel of that name. Did you mean \"notes\"?"));
 }
 
@@ -79,45 +79,52 @@ OutboundStats OutOf(const SessionSnapshot& snapshot) {
 }
 
 // The transport of the channel: shared_memory or zmq.
-class ForbiddenChannel : public test::DomainFixture, public testing::WithParamInterface<std::string> {
+class ForbiddenChannel : public SessionControl, public testing::WithParamInterface<std::string> {
  protected:
-  [[nodiscard]] std::string Rule() const { return "channels: {notes: {transports: [" + GetParam() + "]}}\n"; }
-  [[nodiscard]] std::string Publishing() const { return bus_.Publishing("robot") + Rule(); }
-  [[nodiscard]] std::string Subscribing() const { return bus_.Subscribing("robot") + Rule(); }
+  // The node of the listener.
+  [[nodiscard]] Subscription Hear(const std::function<void(const Note&)>& callback, const NodeOptions& options) {
+    Subscription heard = listener->FromAny<Note>("notes", kSerial, callback, options);
+    EXPECT_TRUE(Joins());
+    return heard;
+  }
+  [[nodiscard]] bool Joins() { return robot->WaitForSubscribers("notes", 1, kPatience); }
+  [[nodiscard]] bool Leaves() {
+    return Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); });
+  }
+  void Allow(const Robot& side) { EXPECT_EQ(Ask(desk, side, ForChannel(ControlAction::kAllow, "notes")).refusal, ""); }
+  ControlAnswer Forbid(const Robot& side) {
+    ControlAnswer answer = Ask(desk, side, ForChannel(ControlAction::kForbid, "notes"));
+    EXPECT_EQ(answer.refusal, "");
+    return answer;
+  }
 
- private:
-  test::Bus bus_;
+  Notes notes;
+  Bus bus;
+  const std::string rule = "channels: {notes: {transports: [" + GetParam() + "]}}\n";
+  Robot robot{bus.Publishing("robot") + rule};
+  Robot listener{bus.Subscribing("robot") + rule, "listener"};
+  Robot desk{"", "desk"};
+  const Publisher<Note> publish = robot->Advertise<Note>("notes");
 };
 
 INSTANTIATE_TEST_SUITE_P(Transports, ForbiddenChannel, testing::Values("shared_memory", "zmq"),
                          [](const auto& one) { return one.param == "zmq" ? "Zmq" : "SharedMemory"; });
 
 TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
-  Robot robot(Publishing());
-  Robot listener(Subscribing(), "listener");
-  Robot desk("", "desk");
-  Notes notes;
-  test::Door door;
-  NodeOptions all;
-  all.queue = Queue::KeepAll(10);
-  all.executor = Executor::Dedicated();
-  const Subscription heard = listener->FromAny<Note>(
-      "notes", kSerial,
-      [&](const Note& note) {
-        door.Pass();
-        notes(note);
-      },
-      all);
-  const auto publish = robot->Advertise<Note>("notes");
-  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  Door door;
+  const auto take = [&](const Note& note) {
+    door.Pass();
+    notes(note);
+  };
+  const Subscription heard = Hear(take, {.queue = Queue::KeepAll(10), .executor = Executor::Dedicated()});
   std::size_t accepted = 0;
   while (publish(Note("before")) == PublishStatus::kOk) ++accepted;
-  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
+  Forbid(robot);
   // The queue is full, but messages that stay inside need no room there.
   EXPECT_EQ(publish(Note("inside")), PublishStatus::kOk);
   door.Open();
   EXPECT_TRUE(Await([&] { return notes.size() == accepted; })) << notes.size() << " of " << accepted;
-  EXPECT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+  EXPECT_TRUE(Leaves());
   EXPECT_TRUE(Await([&] { return !listener->WaitForPublishers("notes", 1, std::chrono::nanoseconds(0)); }));
   EXPECT_EQ(publish(Note("inside")), PublishStatus::kOk);
   const SessionSnapshot counted = robot->Snapshot();
@@ -126,8 +133,8 @@ TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
   EXPECT_THAT(counted.not_leaving.at("notes"), HasSubstr("forbidden"));
   EXPECT_TRUE(std::ranges::any_of(ToMessage(counted).channels(),
                                   [](const auto& one) { return one.name() == "notes" && one.forbidden(); }));
-  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
-  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  Allow(robot);
+  ASSERT_TRUE(Joins());
   EXPECT_EQ(publish(Note("after")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return notes.size() == accepted + 1; }));
   EXPECT_EQ(notes.texts().back(), "after");
@@ -135,25 +142,17 @@ TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
 }
 
 TEST_P(ForbiddenChannel, LosesNoAcceptedMessageUnderTraffic) {
-  Robot robot(Publishing());
-  Robot listener(Subscribing(), "listener");
-  Robot desk("", "desk");
-  Notes notes;
-  NodeOptions all;
-  all.queue = Queue::KeepAll(50);
-  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes), all);
-  const auto publish = robot->Advertise<Note>("notes");
-  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  const Subscription heard = Hear(std::ref(notes), {.queue = Queue::KeepAll(50)});
   std::atomic<bool> ends{false};
   std::atomic<std::uint64_t> published{0};
   std::thread talker([&] {
     while (!ends) published += publish(Note("x")) == PublishStatus::kOk ? 1 : 0;
   });
   for (int i = 0; i < 5; ++i) {
-    EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
-    EXPECT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+    Forbid(robot);
+    EXPECT_TRUE(Leaves());
     const std::size_t before = notes.size();
-    EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
+    Allow(robot);
     EXPECT_TRUE(Await([&] { return notes.size() > before; }));
   }
   ends = true;
@@ -164,58 +163,40 @@ TEST_P(ForbiddenChannel, LosesNoAcceptedMessageUnderTraffic) {
 }
 
 TEST_P(ForbiddenChannel, EntersNoSession) {
-  Robot robot(Publishing());
-  Robot listener(Subscribing(), "listener");
-  Robot desk("", "desk");
-  Notes notes;
-  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
-  const auto publish = robot->Advertise<Note>("notes");
-  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
-  EXPECT_THAT(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).done, EndsWith("enters this session."));
-  ASSERT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+  const Subscription heard = Hear(std::ref(notes), {});
+  EXPECT_THAT(Forbid(listener).done, EndsWith("enters this session."));
+  ASSERT_TRUE(Leaves());
   // A later subscription does not enter, either.
   const Subscription second = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
   publish(Note("secret"));
   EXPECT_THAT(listener->Snapshot().not_entering.at("notes"), HasSubstr("forbidden"));
-  EXPECT_EQ(Ask(desk, listener, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
-  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  Allow(listener);
+  ASSERT_TRUE(Joins());
   publish(Note("told"));
   ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
   EXPECT_THAT(notes.texts(), ElementsAre("told", "told"));
 }
 
 TEST_P(ForbiddenChannel, SaysThatALosslessSubscriptionLosesMessages) {
-  Robot robot(Publishing());
-  Robot listener(Subscribing(), "listener");
-  Robot desk("", "desk");
-  NodeOptions all;
-  all.queue = Queue::KeepAll(10);
-  const Subscription heard = listener->FromAny<Note>(
-      "notes", kSerial, [](const Note&) {}, all);
-  const auto publish = robot->Advertise<Note>("notes");
-  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
-  EXPECT_THAT(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).done,
-              EndsWith("Messages on their way to its lossless subscriptions are lost."));
+  const Subscription heard = Hear([](const Note&) {}, {.queue = Queue::KeepAll(10)});
+  EXPECT_THAT(Forbid(listener).done, EndsWith("Messages on their way to its lossless subscriptions are lost."));
   EXPECT_TRUE(Await([&] { return listener.Said("lossless subscriptions are lost"); }));
 }
 
-TEST_F(SessionControl, ChannelIsForbiddenBeforeItIsUsed) {
-  Robot robot("");
+TEST_F(SteeredSession, ChannelIsForbiddenBeforeItIsUsed) {
   Robot listener("", "listener");
-  Robot desk("", "desk");
-  const auto other = robot->Advertise<Note>("other");
-  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kForbid, "notes")).refusal, "");
+  EXPECT_EQ(Asked(ControlAction::kForbid, "unused").refusal, "");
   Notes notes;
-  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
-  const auto publish = robot->Advertise<Note>("notes", {.latched = 1});
-  publish(Note("latched"));
-  EXPECT_FALSE(robot->WaitForSubscribers("notes", 1, kShort));
-  EXPECT_EQ(Ask(desk, robot, ForChannel(ControlAction::kAllow, "notes")).refusal, "");
+  const Subscription heard = listener->FromAny<Note>("unused", kSerial, std::ref(notes));
+  const auto latched = robot->Advertise<Note>("unused", {.latched = 1});
+  latched(Note("latched"));
+  EXPECT_FALSE(robot->WaitForSubscribers("unused", 1, kShort));
+  EXPECT_EQ(Asked(ControlAction::kAllow, "unused").refusal, "");
   EXPECT_TRUE(Await([&] { return notes.texts() == std::vector<std::string>{"latched"}; }));
 }
 
 TEST_F(SessionControl, AllowAddsAChannelToTheListsOfEndpoints) {
-  const test::Bus bus;
+  const Bus bus;
   Robot robot(bus.Publishing("a", "other"));
   Robot desk("", "desk");
   const auto publish = robot->Advertise<Note>("notes");
@@ -226,95 +207,145 @@ TEST_F(SessionControl, AllowAddsAChannelToTheListsOfEndpoints) {
   EXPECT_THAT(robot->Snapshot().not_leaving, IsEmpty());
 }
 
-TEST_F(SessionControl, SetsTheLevelOfTheLog) {
-  Robot robot("");
-  Robot desk("", "desk");
-  const auto publish = robot->Advertise<Note>("notes");
-  EXPECT_EQ(Ask(desk, robot, {ControlAction::kLog, {}, LogLevel::kError}).done,
+TEST_F(SteeredSession, SetsTheLevelOfTheLogAndSaysWhoHasChangedWhatAtEveryLevel) {
+  EXPECT_EQ(Asked({ControlAction::kLog, {}, LogLevel::kError}).done,
             "Log lines below the level error are not written.");
+  EXPECT_TRUE(robot.Said("has steered this session. Log lines below the level error"));
+  EXPECT_TRUE(Asked(ControlAction::kClose).answered);
+  EXPECT_TRUE(robot.Said("has steered this session. Channel \"notes\" is closed"));
   robot->log().Write(LogLevel::kWarning, "left out");
-  EXPECT_EQ(Ask(desk, robot, {ControlAction::kLog, {}, LogLevel::kDebug}).refusal, "");
+  EXPECT_EQ(Asked({ControlAction::kLog, {}, LogLevel::kDebug}).refusal, "");
   robot->log().Write(LogLevel::kDebug, "written");
   EXPECT_FALSE(robot.Said("left out"));
   EXPECT_TRUE(Await([&] { return robot.Said("written"); }));
 }
 
-std::atomic<int> terminations{0};
+// Counts this signal instead of being ended by it.
+class CountedSigterms {
+ public:
+  CountedSigterms() {
+    count = 0;
+    Handle([](int) { ++count; }, &before_);
+  }
+  CountedSigterms(const CountedSigterms&) = delete;
+  CountedSigterms& operator=(const CountedSigterms&) = delete;
+  ~CountedSigterms() { EXPECT_EQ(sigaction(SIGTERM, &before_, nullptr), 0); }
+  static void Handle(void (*handler)(int), struct sigaction* before = nullptr) {
+    struct sigaction handles {};
+    handles.sa_handler = handler;
+    ASSERT_EQ(sigaction(SIGTERM, &handles, before), 0);
+  }
+  inline static std::atomic<int> count{0};
 
-TEST_F(SessionControl, StopSendsSigterm) {
-  Robot robot("");
-  Robot desk("", "desk");
-  const auto publish = robot->Advertise<Note>("notes");
-  struct sigaction before {};
-  struct sigaction ignores {};
-  ignores.sa_handler = SIG_IGN;
-  ASSERT_EQ(sigaction(SIGTERM, &ignores, &before), 0);
-  EXPECT_THAT(Ask(desk, robot, {ControlAction::kStop, {}, {}}).refusal, StartsWith("The process ignores SIGTERM"));
-  struct sigaction counts {};
-  counts.sa_handler = [](int) { ++terminations; };
-  ASSERT_EQ(sigaction(SIGTERM, &counts, nullptr), 0);
-  EXPECT_THAT(Ask(desk, robot, {ControlAction::kStop, {}, {}}).done, HasSubstr("gets SIGTERM"));
-  EXPECT_TRUE(Await([] { return terminations == 1; }));
-  EXPECT_EQ(sigaction(SIGTERM, &before, nullptr), 0);
+ private:
+  struct sigaction before_ {};
+};
+
+TEST_F(SteeredSession, StopSendsSigtermUnlessItIsIgnored) {
+  const CountedSigterms sigterms;
+  EXPECT_THAT(Asked(ControlAction::kStop, "").done, HasSubstr("gets SIGTERM"));
+  EXPECT_TRUE(Await([] { return CountedSigterms::count == 1; }));
+  CountedSigterms::Handle(SIG_IGN);
+  EXPECT_THAT(Asked(ControlAction::kStop, "").refusal, StartsWith("The process ignores SIGTERM"));
+  EXPECT_EQ(CountedSigterms::count, 1);
 }
 
-TEST_F(SessionControl, RefusesWhatItDoesNotKnow) {
-  Robot robot("");
-  Robot desk("", "desk");
-  const auto publish = robot->Advertise<Note>("notes");
-  EXPECT_THAT(Ask(desk, robot, {static_cast<ControlAction>(99), {}, {}}).refusal, HasSubstr("action 99"));
-  EXPECT_NE(Ask(desk, robot, ForChannel(ControlAction::kForbid, "")).refusal, "");
-  EXPECT_THAT(Ask(desk, robot, ForChannel(ControlAction::kForbid, "hgros/snapshots")).refusal,
-              HasSubstr("belongs to the library"));
-  EXPECT_NE(Ask(desk, robot, {ControlAction::kLog, {}, static_cast<LogLevel>(7)}).refusal, "");
+TEST_F(SteeredSession, StopsAProgramWhoseForbiddenCallbackHangs) {
+  Robot listener("", "listener");
+  Door door;
+  std::atomic<bool> hangs{false};
+  const auto hang = [&](const Note&) {
+    hangs = true;
+    door.Pass();
+  };
+  const Subscription heard = listener->FromAny<Note>("notes", kSerial, hang, Inline());
+  ASSERT_TRUE(robot->WaitForSubscribers("notes", 1, kPatience));
+  publish(Note("endless"));
+  ASSERT_TRUE(Await([&] { return hangs.load(); }));
+  EXPECT_THAT(Ask(desk, listener, ForChannel(ControlAction::kForbid, "notes")).done, HasSubstr("callback"));
+  EXPECT_TRUE(Ask(desk, listener, {ControlAction::kLog, {}, LogLevel::kInfo}).answered);
+  const CountedSigterms sigterms;
+  EXPECT_THAT(Ask(desk, listener, {ControlAction::kStop, {}, {}}).done, HasSubstr("gets SIGTERM"));
+  EXPECT_TRUE(Await([] { return CountedSigterms::count == 1; }, kPatience / 2));
+  door.Open();
+  EXPECT_TRUE(Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
+}
+
+TEST_F(SteeredSession, ProgramCannotUseTheChannelOfRequests) {
+  const auto says_what_to_use = AllOf(HasSubstr("hgros control"), HasSubstr("control: off"));
+  const auto ignore = [](const Note&) {};
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_THAT(ErrorOf([&] { return robot->FromAny<Note>("hgros/control", kSerial, ignore); }), says_what_to_use);
+  }
+  EXPECT_THAT(ErrorOf([&] { return robot->AwaitSchema("hgros/control", std::chrono::nanoseconds(0)); }),
+              says_what_to_use);
+  for (const char* channel : {"hgros/control", "hgros/control/replies"}) {
+    EXPECT_THAT(ErrorOf([&] { return robot->Advertise<Note>(channel); }), HasSubstr("belongs to the library"));
+  }
+  for (const ChannelSnapshot& channel : robot->Snapshot().graph.channels) {
+    EXPECT_THAT(channel.name, Not(StartsWith("hgros/control")));
+  }
+  EXPECT_TRUE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes")).answered);
+  EXPECT_TRUE(Ask(robot, desk, ForChannel(ControlAction::kClose, "notes")).answered);
+}
+
+TEST_F(SteeredSession, SubscriptionThatFailsLeavesNothingBehind) {
+  ServicePlace& place = SessionParts(*robot.session).core().place();
+  for (int i = 0; i < 2; ++i) {  // The desk subscribes to it already.
+    EXPECT_THROW((void)place.Listen(
+                     "hgros/control", TypeOf<ControlRequest>(), [](const AnyMessage&, const MessageInfo&) {}, 1),
+                 Error);
+  }
+  const auto second = robot->Advertise<Note>("second");
+  const auto lists = [&](const std::string& name) {
+    const auto channels = desk->Channels();
+    return std::ranges::find(channels, name, &KnownChannel::name) != channels.end();
+  };
+  EXPECT_TRUE(Await([&] { return lists("second"); }));
+  EXPECT_FALSE(lists("hgros/control"));
+}
+
+TEST_F(SteeredSession, RefusesWhatItDoesNotKnow) {
+  EXPECT_THAT(Asked(static_cast<ControlAction>(99), "").refusal, HasSubstr("action 99"));
+  EXPECT_NE(Asked(ControlAction::kForbid, "").refusal, "");
+  EXPECT_THAT(Asked(ControlAction::kForbid, "hgros/snapshots").refusal, HasSubstr("belongs to the library"));
+  EXPECT_NE(Asked({ControlAction::kLog, {}, static_cast<LogLevel>(7)}).refusal, "");
   EXPECT_EQ(robot->Snapshot().refused_orders, 4U);
 }
 
-TEST_F(SessionControl, DescribesTheTypesOfItsPublishersAndSubscribers) {
-  Robot robot("");
-  Robot desk("", "desk");
-  const auto publish = robot->Advertise<foxglove::Vector3>("notes");
+TEST_F(SteeredSession, DescribesTheTypesOfItsPublishersAndSubscribersAndRefusesQuietlyWhatHasNoSchema) {
+  const auto vectors = robot->Advertise<foxglove::Vector3>("vectors");
   const Subscription typed = robot->FromAny<foxglove::Vector3>("heard", kSerial, [](const foxglove::Vector3&) {});
-  for (const char* channel : {"notes", "heard"}) {
-    const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kDescribe, channel));
+  for (const char* channel : {"vectors", "heard"}) {
+    const ControlAnswer answer = Asked(ControlAction::kDescribe, channel);
     EXPECT_EQ(answer.refusal, "");
     EXPECT_EQ(answer.schema, SchemaOf(TypeOf<foxglove::Vector3>()));
   }
   EXPECT_FALSE(robot.Said("has steered"));
-}
-
-TEST_F(SessionControl, RefusesQuietlyToDescribeWhatHasNoSchema) {
-  Robot robot("");
-  Robot desk("", "desk");
   const Subscription raw = robot->FromAnyRaw("raw", kSerial, [](const RawMessage&) {});
   const auto why = [&](const std::string& channel) {
-    const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kDescribe, channel));
+    const ControlAnswer answer = Asked(ControlAction::kDescribe, channel);
     EXPECT_EQ(answer.schema, MessageSchema());
     return answer.refusal;
   };
-  const auto custom = robot->Advertise<Note>("custom");
-  EXPECT_THAT(why("custom"), HasSubstr("has no protobuf schema"));
+  EXPECT_THAT(why("notes"), HasSubstr("has no protobuf schema"));
   EXPECT_THAT(why("raw"), HasSubstr("is used with any type"));
   EXPECT_THAT(why("other"), HasSubstr("is not used by this session"));
   for (const ChannelSnapshot& channel : robot->Snapshot().graph.channels) EXPECT_NE(channel.name, "other");
-  MessageSchema large{"Large", Encoding::kProtobuf, 0, {}};
-  {
-    google::protobuf::FileDescriptorSet set;
-    auto& file = *set.add_file();
-    file.set_name("large.proto");
-    file.set_syntax("proto3");
-    auto& type = *file.add_message_type();
-    type.set_name("Large");
-    for (int i = 1; i <= 600; ++i) {
-      auto& field = *type.add_field();
-      field.set_name("f" + std::to_string(i) + std::string(500, 'x'));
-      field.set_number(i);
-      field.set_type(google::protobuf::FieldDescriptorProto::TYPE_BOOL);
-      field.set_label(google::protobuf::FieldDescriptorProto::LABEL_OPTIONAL);
-    }
-    large.descriptor_set = set.SerializeAsString();
+  google::protobuf::FileDescriptorSet set;
+  auto& file = *set.add_file();
+  file.set_name("large.proto");
+  file.set_syntax("proto3");
+  auto& type = *file.add_message_type();
+  type.set_name("Large");
+  for (int i = 1; i <= 600; ++i) {
+    auto& field = *type.add_field();
+    field.set_name("f" + std::to_string(i) + std::string(500, 'x'));
+    field.set_number(i);
+    field.set_type(google::protobuf::FieldDescriptorProto::TYPE_BOOL);
+    field.set_label(google::protobuf::FieldDescriptorProto::LABEL_OPTIONAL);
   }
-  const RawPublisher publish = robot->AdvertiseRaw("large", large);
+  const RawPublisher large = robot->AdvertiseRaw("large", {"Large", Encoding::kProtobuf, 0, set.SerializeAsString()});
   EXPECT_THAT(why("large"), HasSubstr("is larger than 262144 bytes"));
   EXPECT_EQ(robot->Snapshot().refused_orders, 0U);
   EXPECT_FALSE(robot.Said("was refused"));
@@ -328,26 +359,17 @@ TEST_F(SessionControl, IsOffIfTheConfigurationSaysSo) {
   EXPECT_FALSE(Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"), kShort).answered);
 }
 
-TEST_F(SessionControl, SeveralThreadsMayAsk) {
-  Robot robot("");
-  Robot desk("", "desk");
-  const auto publish = robot->Advertise<Note>("notes");
-  std::vector<std::thread> threads;
+TEST_F(SteeredSession, SeveralThreadsMayAsk) {
+  std::vector<std::jthread> threads;
   for (const char* channel : {"a", "b", "c"}) {
-    threads.emplace_back([&desk, &robot, channel] {
-      EXPECT_TRUE(Ask(desk, robot, ForChannel(ControlAction::kClose, channel)).answered);
-    });
+    threads.emplace_back([this, channel] { EXPECT_TRUE(Asked(ControlAction::kClose, channel).answered); });
   }
-  for (std::thread& thread : threads) thread.join();
 }
 
-TEST_F(SessionControl, AnswersOfOthersComeIfOneSessionIsGone) {
-  Robot first("", "first");
+TEST_F(SteeredSession, AnswersOfOthersComeIfOneSessionIsGone) {
   Robot second("", "second");
-  Robot desk("", "desk");
-  const auto one = first->Advertise<Note>("notes");
   const auto two = second->Advertise<Note>("notes");
-  const std::array asked{first->id(), SessionId{1}, second->id()};
+  const std::array asked{robot->id(), SessionId{1}, second->id()};
   const auto answers =
       AskSessions(*desk.session, asked, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(10));
   ASSERT_EQ(answers.size(), 3U);
@@ -365,29 +387,9 @@ TEST_F(SessionControl, ConnectsNoSessions) {
   ASSERT_TRUE(Await([&] {
     return std::ranges::any_of(first->Channels(), [](const KnownChannel& channel) { return channel.name == "two"; });
   }));
-  test::Linger(kShort);
+  Linger(kShort);
   EXPECT_THAT(first->Peers(), IsEmpty());
   for (const KnownChannel& channel : first->Channels()) EXPECT_NE(channel.name, "hgros/control");
-}
-
-// Endpoints that others can connect to.
-std::string Tcp(const std::string& subscribers, const std::string& security) {
-  return "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, subscribers: [" + subscribers + "]" +
-         (security.empty() ? "" : ", security: {" + security + "}") + "}\ndiscovery: {local: false}\n";
-}
-
-TEST_F(SessionControl, RefusesTcpWithoutKeysAndSaysSoOnce) {
-  Robot robot(Tcp("", ""));
-  Robot desk(Tcp("{ip: '" + robot->PublisherEndpoints().at(0) + "'}", ""), "desk");
-  robot->AddSubscriberEndpoint({desk->PublisherEndpoints().at(0), {}, true});
-  for (int i = 0; i < 2; ++i) {
-    const ControlAnswer answer = Ask(desk, robot, ForChannel(ControlAction::kClose, "notes"));
-    EXPECT_TRUE(answer.answered);
-    EXPECT_THAT(answer.refusal, StartsWith("Only sessions of the same user on the same host"));
-  }
-  EXPECT_GE(robot->Snapshot().refused_orders, 2U);
-  EXPECT_EQ(robot.Count("A request to change something in this session was refused"), 1U);
-  EXPECT_FALSE(robot.Said("has steered"));
 }
 
 std::string KeyText(const std::string& key) { return "'" + key + "'"; }
@@ -401,7 +403,7 @@ TEST_F(SessionControl, TakesOrdersOverTcpFromAnAllowedKeyOnly) {
            ", allowed_clients: [" + KeyText(allowed) + "], servers: {" + servers + "}";
   };
   // The endpoints are ipc, so that their names are known before.
-  const test::Bus bus;
+  const Bus bus;
   const auto yaml = [&](const std::string& own, const std::string& other, const std::string& security) {
     return "network: {" + bus.Publisher(own) + ", subscribers: [" + bus.Subscriber(other) + "], security: {" +
            security + "}}\ndiscovery: {local: false}\n";
@@ -428,7 +430,7 @@ TEST_F(SessionControl, TakesOrdersOverTcpFromAnAllowedKeyOnly) {
 }
 
 // A session of the same user that does not keep to the protocol.
-class Forger final : public test::HandMadeSession, private OutboundSource {
+class Forger final : public HandMadeSession, private OutboundSource {
  public:
   Forger(const std::string& domain, SessionId peer) : HandMadeSession("forger") {
     ChannelAnnouncement use;
@@ -489,10 +491,10 @@ TEST_F(SessionControl, CountsMalformedRequestsAndUnknownVersionsAndForgedPublish
   EXPECT_TRUE(Await([&] { return robot.Said("versions 1 to 2 of such requests, not version 3"); }));
   request.set_version(1);
   forger.Send(request.SerializeAsString(), 77);  // In the name of another session.
-  test::Linger(kShort);
+  Linger(kShort);
   EXPECT_FALSE(robot.Said("Session 000000000000004d"));
   EXPECT_FALSE(robot.Said("(desk"));
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

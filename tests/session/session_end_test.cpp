@@ -1,24 +1,11 @@
 // What becomes of messages that were published just before their session ends.
-#include <gtest/gtest.h>
-
-#include <atomic>
 #include <cstdint>
-#include <functional>
-#include <memory>
-#include <string>
 
 #include "conformance/tcp_forwarder.hpp"
-#include "session/domain_fixture.hpp"
+#include "session/observed_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::kPatience;
-using test::kSerial;
-using test::Note;
-using test::Notes;
-using test::Robot;
 
 constexpr const char* kRestIsLost = "a lossless subscriber of channel \"notes\" does not take its messages";
 
@@ -30,97 +17,80 @@ constexpr bool kThreadsMayStop = true;
 constexpr bool kThreadsMayStop = false;
 #endif
 
-class SessionEnd : public test::DomainFixture, public testing::WithParamInterface<std::string> {
+class SessionEnd : public ObservedFixture {
  protected:
-  [[nodiscard]] std::unique_ptr<Robot> MakeTalker() const {
-    if (GetParam() == "SharedMemory") return std::make_unique<Robot>("");
-    const std::string endpoint = GetParam() == "Tcp" ? "tcp://127.0.0.1:*" : bus_.Endpoint("talker");
-    return std::make_unique<Robot>("network: {publisher: {ip: \"" + endpoint + "\"}}\n" + kAlone);
+  [[nodiscard]] Robot& MakeTalker() {
+    observer.reset();
+    return robot.emplace(PublisherYaml(), "robot");
   }
-  [[nodiscard]] std::unique_ptr<Robot> MakeListener(Robot& talker) const {
-    if (GetParam() == "SharedMemory") return std::make_unique<Robot>("");
-    const std::string endpoint = talker->PublisherEndpoints().at(0);
-    return std::make_unique<Robot>("network: {subscribers: [{ip: \"" + endpoint + "\"}]}\n" + kAlone);
+  [[nodiscard]] Robot& MakeListener() {
+    observer.emplace(ObserverYaml(), "observer");
+    Connect(*observer->session, *robot->session);
+    return *observer;
   }
-
- private:
-  static constexpr const char* kAlone = "discovery: {local: false}\n";
-  const test::Bus bus_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Transports, SessionEnd, testing::Values("SharedMemory", "Ipc", "Tcp"),
-                         [](const auto& one) { return one.param; });
+INSTANTIATE_TEST_SUITE_P(Transports, SessionEnd, testing::Values("sharedmemory", "ipc", "tcp"), TransportName);
 
 TEST_P(SessionEnd, LosslessSubscribersGetWhatWasPublishedJustBefore) {
   for (int round = 0; round < 40; ++round) {
-    auto talker = MakeTalker();
-    const auto listener = MakeListener(*talker);
+    Robot& talker = MakeTalker();
+    Robot& listener = MakeListener();
     Notes notes;
     const auto subscription =
-        (*listener)->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(1000)});
-    (void)(*talker)->Advertise<Note>("notes");
-    ASSERT_TRUE((*talker)->WaitForSubscribers("notes", 1, kPatience));
-    for (int i = 0; i < 100; ++i) ASSERT_EQ((*talker)->ToAny("notes", Note(std::to_string(i))), PublishStatus::kOk);
-    talker.reset();
+        listener->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(1000)});
+    (void)talker->Advertise<Note>("notes");
+    ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+    for (int i = 0; i < 100; ++i) ASSERT_EQ(talker->ToAny("notes", Note(std::to_string(i))), PublishStatus::kOk);
+    talker.session.reset();
     ASSERT_TRUE(Await([&] { return notes.size() == 100; })) << "round " << round << ": " << notes.size();
   }
 }
 
 // Latched messages wait for the credit of a new subscriber, here for each one.
-TEST_P(SessionEnd, WaitsForTheCreditOfASubscriber) {
-  const auto talker = MakeTalker();
-  const auto publish = (*talker)->Advertise<Note>("notes", {.latched = 10});
-  for (int i = 0; i < 10; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
-  const auto listener = MakeListener(*talker);
-  Notes notes;
-  const auto subscription = (*listener)->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(1)});
-  ASSERT_TRUE(Await([&] { return notes.size() > 0; }));
-  talker->session.reset();
-  if (kThreadsMayStop && talker->Count(kRestIsLost) == 1) return;
-  EXPECT_TRUE(Await([&] { return notes.size() == 10; })) << notes.size();
-  EXPECT_EQ(talker->Count(kRestIsLost), 0U);
-}
-
-TEST_P(SessionEnd, WaitsForASlowSubscriberWhileItTakesMessages) {
-  const auto talker = MakeTalker();
-  const auto publish = (*talker)->Advertise<Note>("notes", {.latched = 10});
-  for (int i = 0; i < 10; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
-  const auto listener = MakeListener(*talker);
-  std::atomic<int> taken{0};
-  const auto take = [&](const Note&) {
-    test::Linger(std::chrono::milliseconds(150));
-    ++taken;
-  };
-  const auto subscription =
-      (*listener)->FromAny<Note>("notes", kSerial, take, {{}, Queue::KeepAll(1), Executor::Dedicated()});
-  ASSERT_TRUE(Await([&] { return taken > 0; }));
-  talker->session.reset();
-  if (kThreadsMayStop && talker->Count(kRestIsLost) == 1) return;
-  EXPECT_TRUE(Await([&] { return taken == 10; })) << taken;
-  EXPECT_EQ(talker->Count(kRestIsLost), 0U);
+TEST_P(SessionEnd, WaitsForASubscriberWhileItTakesMessagesHoweverSlowly) {
+  for (const std::chrono::milliseconds pause : {std::chrono::milliseconds(0), std::chrono::milliseconds(150)}) {
+    SCOPED_TRACE(pause.count());
+    Robot& talker = MakeTalker();
+    const auto publish = talker->Advertise<Note>("notes", {.latched = 10});
+    for (int i = 0; i < 10; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
+    Robot& listener = MakeListener();
+    std::atomic<int> taken{0};
+    const auto take = [&](const Note&) {
+      if (pause.count() > 0) Linger(pause);
+      ++taken;
+    };
+    const auto subscription =
+        listener->FromAny<Note>("notes", kSerial, take, {{}, Queue::KeepAll(1), Executor::Dedicated()});
+    ASSERT_TRUE(Await([&] { return taken > 0; }));
+    talker.session.reset();
+    if (kThreadsMayStop && talker.Count(kRestIsLost) == 1) continue;
+    EXPECT_TRUE(Await([&] { return taken == 10; })) << taken;
+    EXPECT_EQ(talker.Count(kRestIsLost), 0U);
+  }
 }
 
 TEST_P(SessionEnd, SaysOnceThatASubscriberTakesNothing) {
-  const auto talker = MakeTalker();
-  const auto publish = (*talker)->Advertise<Note>("notes", {.latched = 10});
+  Robot& talker = MakeTalker();
+  const auto publish = talker->Advertise<Note>("notes", {.latched = 10});
   for (int i = 0; i < 10; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
-  const auto listener = MakeListener(*talker);
-  test::Door door;
+  Robot& listener = MakeListener();
+  Door door;
   std::atomic<bool> came{false};
   const auto hold = [&](const Note&) {
     came = true;
     door.Pass();
   };
   const auto subscription =
-      (*listener)->FromAny<Note>("notes", kSerial, hold, {{}, Queue::KeepAll(1), Executor::Dedicated()});
-  ASSERT_TRUE(Await([&] { return came && (*talker)->Snapshot().traffic.at(0).out.queued_bytes > 0; }));
-  talker->session.reset();
-  EXPECT_EQ(talker->Count(kRestIsLost), 1U);
+      listener->FromAny<Note>("notes", kSerial, hold, {{}, Queue::KeepAll(1), Executor::Dedicated()});
+  ASSERT_TRUE(Await([&] { return came && talker->Snapshot().traffic.at(0).out.queued_bytes > 0; }));
+  talker.session.reset();
+  EXPECT_EQ(talker.Count(kRestIsLost), 1U);
   door.Open();
 }
 
-// The talker reaches the listener through a cable that can break.
-class SessionEndWithoutConnection : public test::DomainFixture {
+// The talker reaches the listener through a cable that can break. The parameter: whether more is published then.
+class SessionEndWithoutConnection : public DomainFixture, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override { ASSERT_TRUE(talker_->WaitForSubscribers("notes", 1, kPatience)); }
   [[nodiscard]] std::uint16_t TalkersPort() const {
@@ -148,20 +118,19 @@ class SessionEndWithoutConnection : public test::DomainFixture {
   const Publisher<Note> publish_ = talker_->Advertise<Note>("notes");
 };
 
-TEST_F(SessionEndWithoutConnection, SaysThatAMessageOnItsWayIsLost) {
+TEST_P(SessionEndWithoutConnection, SaysOnceThatWhatIsOnItsWayAndTheRestAreLost) {
   ASSERT_NO_FATAL_FAILURE(Break());
+  if (GetParam()) {
+    const std::uint64_t on_its_way = Out().queued_bytes;
+    ASSERT_EQ(publish_(Note("y")), PublishStatus::kOk);
+    EXPECT_GT(Out().queued_bytes, on_its_way);
+  }
   talker_.session.reset();
   EXPECT_EQ(talker_.Count(kRestIsLost), 1U);
 }
 
-TEST_F(SessionEndWithoutConnection, SaysOnceThatTheRestIsLost) {
-  ASSERT_NO_FATAL_FAILURE(Break());
-  const std::uint64_t on_its_way = Out().queued_bytes;
-  ASSERT_EQ(publish_(Note("y")), PublishStatus::kOk);
-  EXPECT_GT(Out().queued_bytes, on_its_way);
-  talker_.session.reset();
-  EXPECT_EQ(talker_.Count(kRestIsLost), 1U);
-}
+INSTANTIATE_TEST_SUITE_P(More, SessionEndWithoutConnection, testing::Bool(),
+                         [](const auto& more) { return more.param ? "Waits" : "IsNotThere"; });
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -3,14 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <atomic>
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "hgros/hgros.hpp"
 #include "support/await.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::test {
 
@@ -52,6 +59,37 @@ class Notes {
   std::vector<std::string> texts_;
 };
 
+/// Keeps the messages of a subscription, and what is known of them.
+template <class T>
+class Kept {
+ public:
+  void operator()(const std::shared_ptr<const T>& message, const MessageInfo& info) {
+    const std::scoped_lock lock(mutex_);
+    messages_.push_back(message);
+    infos_.push_back(info);
+  }
+  [[nodiscard]] std::shared_ptr<const T> at(std::size_t index) const {
+    const std::scoped_lock lock(mutex_);
+    return messages_.at(index);
+  }
+  [[nodiscard]] MessageInfo info(std::size_t index) const {
+    const std::scoped_lock lock(mutex_);
+    return infos_.at(index);
+  }
+  [[nodiscard]] std::size_t size() const {
+    const std::scoped_lock lock(mutex_);
+    return messages_.size();
+  }
+  [[nodiscard]] bool AwaitSize(std::size_t count) const {
+    return Await([&] { return size() == count; });
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<const T>> messages_;
+  std::vector<MessageInfo> infos_;
+};
+
 /// A session and its log.
 struct Robot {
   explicit Robot(const std::string& yaml, const std::string& name = "robot")
@@ -60,13 +98,7 @@ struct Robot {
                                                            const std::scoped_lock lock(mutex);
                                                            lines.emplace_back(text);
                                                          }})) {}
-  [[nodiscard]] bool Said(std::string_view part) {
-    const std::scoped_lock lock(mutex);
-    for (const std::string& line : lines) {
-      if (line.find(part) != std::string::npos) return true;
-    }
-    return false;
-  }
+  [[nodiscard]] bool Said(std::string_view part) { return Count(part) > 0; }
   /// The number of lines that contain the text.
   [[nodiscard]] std::size_t Count(std::string_view part) {
     const std::scoped_lock lock(mutex);
@@ -83,15 +115,7 @@ struct Robot {
 /// A folder for ipc endpoints, and YAML that uses them.
 class Bus {
  public:
-  Bus() {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_bus_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  Bus(const Bus&) = delete;
-  Bus& operator=(const Bus&) = delete;
-  ~Bus() { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string Endpoint(const std::string& name) const { return "ipc://" + (folder_ / name).string(); }
+  [[nodiscard]] std::string Endpoint(const std::string& name) const { return folder_.Ipc(name); }
   [[nodiscard]] std::string Publisher(const std::string& name, const std::string& channels = {}) const {
     return "publisher: {ip: \"" + Endpoint(name) + "\"" + List(channels) + "}";
   }
@@ -112,7 +136,7 @@ class Bus {
   static std::string List(const std::string& channels) {
     return channels.empty() ? std::string() : ", channels: [" + channels + "]";
   }
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
 };
 
 inline constexpr Invoke kSerial = Invoke::kSerial;

@@ -1,28 +1,27 @@
 #include "hgros/session/session.hpp"
 
+#include <gmock/gmock.h>
+
 #include <array>
 #include <fstream>
 #include <new>
-#include <optional>
-#include <thread>
 
 #include <foxglove/Log.pb.h>
 #include <foxglove/Vector3.pb.h>
 
 #include "conformance/tcp_forwarder.hpp"
-#include "session/session_fixture.hpp"
+#include "hgros/session/default_session.hpp"
+#include "session/domain_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::Bus;
-using test::Inline;
-using test::kPatience;
-using test::kSerial;
-using test::Note;
-using test::Notes;
-using test::Robot;
+class TwoSessions : public testing::Test {
+ protected:
+  const Bus bus;
+  Robot talker{bus.Publishing("a")};
+  Robot listener{bus.Subscribing("a")};
+};
 
 std::vector<std::string> Numbered(int from, int to) {
   std::vector<std::string> texts;
@@ -68,10 +67,7 @@ TEST(Session, MovesMessagesAndRefusesThoseThatThereIsNoMemoryToCopy) {
   EXPECT_EQ(robot.Count("There is no memory to copy a message that is published on channel \"notes\""), 1U);
 }
 
-TEST(Session, SendsMessagesToAnotherSessionInOrder) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
+TEST_F(TwoSessions, SendsMessagesToAnotherSessionInOrder) {
   Notes notes;
   const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
   const auto publish = talker->Advertise<Note>("notes");
@@ -105,9 +101,8 @@ TEST(Session, ReceivesEachMessageOnceThroughTwoNamesOfOneEndpoint) {
     const std::array names{"tcp://127.0.0.1" + port, "tcp://127.0.0.2" + port};
     Robot listener("network: {subscribers: [{ip: '" + names[0] + "'}, {ip: '" + names[1] + "'}]}");
     Notes notes;
-    NodeOptions all;
-    all.queue = Queue::KeepAll(100);
-    const auto subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes), all);
+    const auto subscription =
+        listener->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(100)});
     const auto publish = talker->Advertise<Note>("notes");
     const auto pass = [&](int from, int to) {
       ASSERT_TRUE(Await([&] { return talker->Snapshot().traffic.at(0).out.subscribers == 1; }));
@@ -117,11 +112,11 @@ TEST(Session, ReceivesEachMessageOnceThroughTwoNamesOfOneEndpoint) {
     ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
     const int at = std::stoi(port.substr(1));
     ASSERT_TRUE(Await([&] { return ConnectionsAt(at) == 2; }));
-    test::Linger(std::chrono::milliseconds(300));  // Time for subscriptions over the second one.
+    Linger(std::chrono::milliseconds(300));  // Time for subscriptions over the second one.
     pass(0, 50);
     listener->RemoveSubscriberEndpoint(names[removed]);
     ASSERT_TRUE(Await([&] { return ConnectionsAt(at) == 1; }));
-    test::Linger(std::chrono::milliseconds(300));  // Time for messages about the removal.
+    Linger(std::chrono::milliseconds(300));  // Time for messages about the removal.
     ASSERT_TRUE(Await([&] { return talker->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); }));
     pass(50, 100);
     EXPECT_EQ(notes.texts(), Numbered(0, 100));
@@ -133,21 +128,15 @@ TEST(Session, SendsAProtobufMessageOverTcp) {
   Robot talker("network: {publisher: {ip: \"tcp://127.0.0.1:*\"}}");
   ASSERT_EQ(talker->PublisherEndpoints().size(), 1U);
   Robot listener("network: {subscribers: [{ip: \"" + talker->PublisherEndpoints()[0] + "\"}]}");
-  std::mutex mutex;
-  std::string text;
-  const auto subscription = listener->FromAny<foxglove::Log>("log", kSerial, [&](const foxglove::Log& log) {
-    const std::scoped_lock lock(mutex);
-    text = log.message();
-  });
+  Kept<foxglove::Log> kept;
+  const auto subscription = listener->FromAny<foxglove::Log>("log", kSerial, std::ref(kept));
   (void)talker->Advertise<foxglove::Log>("log");
   ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
   foxglove::Log log;
   log.set_message("hello");
   EXPECT_EQ(talker->ToAny("log", log), PublishStatus::kOk);
-  EXPECT_TRUE(Await([&] {
-    const std::scoped_lock lock(mutex);
-    return text == "hello";
-  }));
+  ASSERT_TRUE(kept.AwaitSize(1));
+  EXPECT_EQ(kept.at(0)->message(), "hello");
 }
 
 TEST(Session, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
@@ -180,31 +169,38 @@ TEST(Session, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
   EXPECT_EQ(Note::read, 2) << "decoded once in each session, for any number of subscriptions";
 }
 
-TEST(Session, MessagesDoNotEchoBetweenTwoSessions) {
+// Both publish and subscribe.
+struct BothWays {
+  explicit BothWays(const std::string& firsts = {}) : first(bus.Both("a", "b") + firsts) {
+    EXPECT_TRUE(first->WaitForSubscribers("notes", 2, kPatience));
+    EXPECT_TRUE(second->WaitForSubscribers("notes", 2, kPatience));
+  }
   const Bus bus;
-  Robot first(bus.Both("a", "b"));
-  Robot second(bus.Both("b", "a"));
   Notes at_first;
   Notes at_second;
-  const auto one = first->FromAny<Note>("notes", kSerial, std::ref(at_first));
-  const auto two = second->FromAny<Note>("notes", kSerial, std::ref(at_second));
-  ASSERT_TRUE(first->WaitForSubscribers("notes", 2, kPatience));
-  ASSERT_TRUE(second->WaitForSubscribers("notes", 2, kPatience));
-  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("from first")), PublishStatus::kOk);
-  EXPECT_EQ(second->ToAny("notes", std::make_unique<Note>("from second")), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return at_first.size() == 2 && at_second.size() == 2; }));
+  Robot first;
+  Robot second{bus.Both("b", "a")};
+  const Subscription one = first->FromAny<Note>("notes", kSerial, std::ref(at_first));
+  const Subscription two = second->FromAny<Note>("notes", kSerial, std::ref(at_second));
+};
+
+TEST(Session, MessagesDoNotEchoBetweenTwoSessions) {
+  BothWays they;
+  EXPECT_EQ(they.first->ToAny("notes", Note("from first")), PublishStatus::kOk);
+  EXPECT_EQ(they.second->ToAny("notes", Note("from second")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return they.at_first.size() == 2 && they.at_second.size() == 2; }));
   // An echo would arrive before one more message over the same connection.
-  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("last")), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return at_first.size() >= 3 && at_second.size() >= 3; }));
-  EXPECT_EQ(at_second.size(), 3U);
-  EXPECT_EQ(at_first.size(), 3U);
+  EXPECT_EQ(they.first->ToAny("notes", Note("last")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return they.at_first.size() >= 3 && they.at_second.size() >= 3; }));
+  EXPECT_EQ(they.at_second.size(), 3U);
+  EXPECT_EQ(they.at_first.size(), 3U);
 }
 
 TEST(Session, LongCallbackDoesNotDelayOtherNodesOfARemoteChannel) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
   Robot listener(bus.Subscribing("a") + "data_graph: {threads: 2}\n");
-  test::Door door;
+  Door door;
   std::atomic<int> slow{0};
   Notes notes;
   const auto one = listener->FromAny<Note>("notes", kSerial, [&](const Note&) {
@@ -224,23 +220,15 @@ TEST(Session, LongCallbackDoesNotDelayOtherNodesOfARemoteChannel) {
 }
 
 TEST(Session, ClosedChannelStillSendsToAndReceivesFromOtherSessions) {
-  const Bus bus;
-  Robot first(bus.Both("a", "b") + "data_graph: {close_channels: [notes]}\n");
-  Robot second(bus.Both("b", "a"));
-  Notes at_first;
-  Notes at_second;
-  const auto one = first->FromAny<Note>("notes", kSerial, std::ref(at_first));
-  const auto two = second->FromAny<Note>("notes", kSerial, std::ref(at_second));
-  ASSERT_TRUE(first->WaitForSubscribers("notes", 2, kPatience));
-  ASSERT_TRUE(second->WaitForSubscribers("notes", 2, kPatience));
-  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("out")), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return at_second.size() == 1; }));
-  EXPECT_EQ(second->ToAny("notes", std::make_unique<Note>("in")), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] { return at_first.size() == 1; }));
-  EXPECT_EQ(at_first.texts(), std::vector<std::string>{"in"});
-  first->SetClosed("notes", false);
-  EXPECT_EQ(first->ToAny("notes", std::make_unique<Note>("both")), PublishStatus::kOk);
-  EXPECT_TRUE(Await([&] { return at_first.size() == 2; }));
+  BothWays they("data_graph: {close_channels: [notes]}\n");
+  EXPECT_EQ(they.first->ToAny("notes", Note("out")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return they.at_second.size() == 1; }));
+  EXPECT_EQ(they.second->ToAny("notes", Note("in")), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] { return they.at_first.size() == 1; }));
+  EXPECT_EQ(they.at_first.texts(), std::vector<std::string>{"in"});
+  they.first->SetClosed("notes", false);
+  EXPECT_EQ(they.first->ToAny("notes", Note("both")), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return they.at_first.size() == 2; }));
 }
 
 TEST(Session, SendsOnlyListedChannelsAndTheListCanChangeAtRunTime) {
@@ -255,16 +243,16 @@ TEST(Session, SendsOnlyListedChannelsAndTheListCanChangeAtRunTime) {
   (void)talker->Advertise<Note>("hidden");
   ASSERT_TRUE(talker->WaitForSubscribers("open", 1, kPatience));
   EXPECT_FALSE(talker->WaitForSubscribers("hidden", 1, std::chrono::milliseconds(100)));
-  EXPECT_EQ(talker->ToAny("hidden", std::make_unique<Note>("secret")), PublishStatus::kOk);
+  EXPECT_EQ(talker->ToAny("hidden", Note("secret")), PublishStatus::kOk);
   talker->AllowPublishing("hidden", true);
   ASSERT_TRUE(talker->WaitForSubscribers("hidden", 1, kPatience));
-  EXPECT_EQ(talker->ToAny("hidden", std::make_unique<Note>("told")), PublishStatus::kOk);
+  EXPECT_EQ(talker->ToAny("hidden", Note("told")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return hidden.size() == 1; }));
   EXPECT_EQ(hidden.texts()[0], "told");
   talker->AllowPublishing("hidden", false);
   ASSERT_TRUE(Await([&] { return !talker->WaitForSubscribers("hidden", 1, std::chrono::nanoseconds(0)); }));
-  EXPECT_EQ(talker->ToAny("hidden", std::make_unique<Note>("again secret")), PublishStatus::kOk);
-  EXPECT_EQ(talker->ToAny("open", std::make_unique<Note>("marker")), PublishStatus::kOk);
+  EXPECT_EQ(talker->ToAny("hidden", Note("again secret")), PublishStatus::kOk);
+  EXPECT_EQ(talker->ToAny("open", Note("marker")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return open.size() == 1; }));
   EXPECT_EQ(hidden.size(), 1U);
 }
@@ -273,7 +261,7 @@ TEST(Session, LogsAChannelThatNoEndpointListsOnceWithTheNearestName) {
   const Bus bus;
   Robot talker(bus.Publishing("a", "wheel"));
   Robot listener(bus.Subscribing("a", "wheel"));
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(talker->ToAny("wheels", std::make_unique<Note>("x")), PublishStatus::kOk);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(talker->ToAny("wheels", Note("x")), PublishStatus::kOk);
   EXPECT_TRUE(
       talker.Said("Channel \"wheels\" is published, but does not leave this process: no publisher endpoint has "
                   "it in its list of channels. Did you mean \"wheel\"?"));
@@ -287,11 +275,8 @@ struct Level {
   int value = 0;
 };
 
-TEST(Session, LogsEachChannelThatHasDifferentTypes) {
+TEST_F(TwoSessions, LogsEachChannelThatHasDifferentTypes) {
   constexpr std::size_t kChannels = 12;
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
   std::vector<Subscription> subscriptions;
   for (std::size_t i = 0; i < kChannels; ++i) {
     const std::string channel = "channel" + std::to_string(i);
@@ -305,17 +290,21 @@ TEST(Session, LogsEachChannelThatHasDifferentTypes) {
 constexpr const char* kMisspelled = "data_graph: {nodes: {planner: {queue: latest}, localisation: {queue: latest}}}\n";
 
 TEST(Session, LogsUnusedConfiguredNodeNamesAtItsEndWithTheNearestName) {
-  Robot robot(kMisspelled);
-  {
-    const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
-    const auto localizer = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "localization"});
+  for (const bool misspelled : {true, false}) {
+    SCOPED_TRACE(misspelled);
+    Robot robot(kMisspelled);
+    {
+      const std::string name = misspelled ? "localization" : "localisation";
+      const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
+      const auto localizer = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = name});
+    }
+    EXPECT_FALSE(robot.Said("data_graph: nodes"));
+    robot.session.reset();
+    EXPECT_EQ(robot.Said("names that no node of this process has so far: \"localisation\" (did you mean "
+                         "\"localization\"?)."),
+              misspelled);
+    EXPECT_EQ(robot.lines.size(), misspelled ? 1U : 0U);
   }
-  EXPECT_FALSE(robot.Said("data_graph: nodes"));
-  robot.session.reset();
-  EXPECT_TRUE(
-      robot.Said("names that no node of this process has so far: \"localisation\" (did you mean "
-                 "\"localization\"?)."));
-  EXPECT_EQ(robot.lines.size(), 1U);
 }
 
 TEST(Session, LogsConfiguredNodeNamesWithoutASimilarOneForDebuggingOnly) {
@@ -333,31 +322,12 @@ TEST(Session, LogsConfiguredNodeNamesWithoutASimilarOneForDebuggingOnly) {
   EXPECT_TRUE(said.ends_with("so far: \"localisation\", \"planner\".")) << said;
 }
 
-TEST(Session, LogsUnusedConfiguredNodeNamesOnceSomeSecondsAfterItsStart) {
-  Robot robot(kMisspelled);
-  const auto planner = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "planner"});
-  const auto localizer = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "localization"});
-  EXPECT_TRUE(Await([&] { return robot.Said("has so far: \"localisation\" (did you mean \"localization\"?)."); }));
-  robot.session.reset();
-  EXPECT_EQ(robot.lines.size(), 1U);
-}
-
 TEST(Session, DoesNotLogUnusedNodeNamesWhenItsConstructorThrows) {
   std::vector<std::string> lines;
   const std::string yaml = std::string(kMisspelled) + "network: {publisher: {ip: \"ipc:///nowhere/at/all\"}}\n";
   const auto log = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
   EXPECT_THROW(Session(Config::Parse(yaml), {"robot", log}), Error);
   EXPECT_EQ(lines, std::vector<std::string>{});
-}
-
-TEST(Session, DoesNotLogConfiguredNodeNamesThatAreUsed) {
-  Robot robot(kMisspelled);
-  {
-    const auto planner = robot->FromGraph<Note>("a", kSerial, [](const Note&) {}, {.name = "planner"});
-    const auto localizer = robot->FromGraph<Note>("b", kSerial, [](const Note&) {}, {.name = "localisation"});
-  }
-  robot.session.reset();
-  EXPECT_TRUE(robot.lines.empty());
 }
 
 TEST(Session, LatchedMessagesReachALateSessionAndItsLateNodesOnce) {
@@ -413,10 +383,7 @@ TEST(Session, LatchedMessageWithItsOwnCodecIsEncodedOnThePublishingThread) {
   }
 }
 
-TEST(Session, MessageOfAnInlineCallbackOnItsOwnChannelArrivesAfterTheCurrentOne) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
+TEST_F(TwoSessions, MessageOfAnInlineCallbackOnItsOwnChannelArrivesAfterTheCurrentOne) {
   Notes notes;
   const auto there = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
   const auto publish = talker->Advertise<Note>("notes");
@@ -456,16 +423,12 @@ TEST(Session, LatchedMessageReachesALateNodeAfterALostConnection) {
   EXPECT_EQ(second.texts(), Numbered(1, 3));
 }
 
-TEST(Session, LosslessChannelLosesNothingWithASlowRemoteSubscriber) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
+TEST_F(TwoSessions, LosslessChannelLosesNothingWithASlowRemoteSubscriber) {
   Notes notes;
   std::atomic<int> slow{20};
   const auto subscription = listener->FromAny<Note>("notes", kSerial,
                                                     [&](const Note& note) {
-                                                      if (slow-- > 0)
-                                                        (void)Await([] { return false; }, std::chrono::milliseconds(2));
+                                                      if (slow-- > 0) Linger(std::chrono::milliseconds(2));
                                                       notes(note);
                                                     },
                                                     {{}, Queue::KeepAll(4), Executor::Dedicated()});
@@ -519,10 +482,7 @@ TEST(Session, EitherSessionMayRestartRepeatedly) {
   EXPECT_EQ(notes.texts(), Numbered(0, 10));
 }
 
-TEST(Session, LogsATypeMismatchOnBothSidesAndPublishesAnEvent) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
+TEST_F(TwoSessions, LogsATypeMismatchOnBothSidesAndPublishesAnEvent) {
   std::atomic<int> events{0};
   const auto watch = listener->FromGraph<PeerEvent>(kPeerEventsChannel, kSerial, [&](const PeerEvent& event) {
     if (event.kind == PeerEvent::Kind::kTypeMismatch && event.channel == "pose") ++events;
@@ -573,34 +533,27 @@ TEST(Session, EndpointsCanBeAddedAtRunTime) {
   EXPECT_EQ(notes.texts()[0], "heard");
 }
 
-TEST(Session, AddedEndpointsAreCheckedAsThoseOfFiles) {
-  Robot robot("discovery: {local: false}");
-  const auto refusal = [](const auto& add, const std::string& endpoint) -> std::string {
-    try {
-      add(EndpointConfig{endpoint, {}, true});
-    } catch (const Error& error) {
-      return error.sentence();
-    }
-    return "none";
-  };
-  const auto publish = [&](const EndpointConfig& endpoint) { robot->AddPublisherEndpoint(endpoint); };
-  const auto subscribe = [&](const EndpointConfig& endpoint) { robot->AddSubscriberEndpoint(endpoint); };
-  EXPECT_EQ(refusal(subscribe, "tcp://256.1.1.1:5"),
-            R"(The endpoint is "tcp://256.1.1.1:5", but "256.1.1.1" is not an IPv4 address.)");
-  EXPECT_EQ(refusal(subscribe, "tcp://localhost:65536"),
-            R"(The endpoint is "tcp://localhost:65536", whose port "65536" is not valid.)");
-  EXPECT_EQ(refusal(publish, ""), "The endpoint is empty.");
-  EXPECT_EQ(refusal(publish, "x"), R"(The endpoint is "x", which has no port.)");
+auto ThrowsSentence(const std::string& sentence) {
+  return testing::Throws<Error>(testing::Property(&Error::sentence, sentence));
 }
 
-TEST(Session, SubscriptionMayEndItselfInACallbackForARemoteMessage) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
+TEST(Session, AddedEndpointsAreCheckedAsThoseOfFiles) {
+  Robot robot("discovery: {local: false}");
+  const auto publish = [&](const std::string& endpoint) { robot->AddPublisherEndpoint({endpoint, {}, true}); };
+  const auto subscribe = [&](const std::string& endpoint) { robot->AddSubscriberEndpoint({endpoint, {}, true}); };
+  EXPECT_THAT([&] { subscribe("tcp://256.1.1.1:5"); },
+              ThrowsSentence(R"(The endpoint is "tcp://256.1.1.1:5", but "256.1.1.1" is not an IPv4 address.)"));
+  EXPECT_THAT([&] { subscribe("tcp://localhost:65536"); },
+              ThrowsSentence(R"(The endpoint is "tcp://localhost:65536", whose port "65536" is not valid.)"));
+  EXPECT_THAT([&] { publish(""); }, ThrowsSentence("The endpoint is empty."));
+  EXPECT_THAT([&] { publish("x"); }, ThrowsSentence(R"(The endpoint is "x", which has no port.)"));
+}
+
+TEST_F(TwoSessions, SubscriptionMayEndItselfInACallbackForARemoteMessage) {
   const auto publish = talker->Advertise<Note>("notes");
   for (int round = 0; round < 5; ++round) {
     std::optional<Subscription> subscription;
-    test::Door wired;
+    Door wired;
     std::atomic<int> calls{0};
     subscription.emplace(listener->FromAny<Note>(
         "notes", kSerial,
@@ -620,11 +573,8 @@ TEST(Session, SubscriptionMayEndItselfInACallbackForARemoteMessage) {
   }
 }
 
-TEST(Session, LogsTheInlineCallbackThatBlocksItsDestructor) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
-  test::Door door;
+TEST_F(TwoSessions, LogsTheInlineCallbackThatBlocksItsDestructor) {
+  Door door;
   std::atomic<bool> inside{false};
   const auto subscription = listener->FromAny<Note>(
       "notes", kSerial,
@@ -655,25 +605,17 @@ TEST(Session, CanBeDestroyedWhileMessagesFlow) {
       }
     });
     ASSERT_TRUE(Await([&] { return notes.size() > 10; }));
-    if (round % 2 == 0) {
-      listener.reset();
-      talker.reset();
-    } else {
-      talker.reset();
-      listener.reset();
-    }
+    (round % 2 == 0 ? listener : talker).reset();
+    talker.reset();
+    listener.reset();
   }
 }
 
-TEST(Session, PublishingAlternatelyOnTwoLosslessChannelsDoesNotStall) {
-  const Bus bus;
-  Robot talker(bus.Publishing("a"));
-  Robot listener(bus.Subscribing("a"));
+TEST_F(TwoSessions, PublishingAlternatelyOnTwoLosslessChannelsDoesNotStall) {
   std::atomic<int> count{0};
-  const auto one = listener->FromAny<Note>(
-      "one", kSerial, [&](const Note&) { ++count; }, Inline(Queue::KeepAll(100)));
-  const auto two = listener->FromAny<Note>(
-      "two", kSerial, [&](const Note&) { ++count; }, Inline(Queue::KeepAll(100)));
+  const auto add = [&](const Note&) { ++count; };
+  const auto one = listener->FromAny<Note>("one", kSerial, add, Inline(Queue::KeepAll(100)));
+  const auto two = listener->FromAny<Note>("two", kSerial, add, Inline(Queue::KeepAll(100)));
   const auto publish_one = talker->Advertise<Note>("one");
   const auto publish_two = talker->Advertise<Note>("two");
   ASSERT_TRUE(talker->WaitForSubscribers("one", 1, kPatience));
@@ -685,5 +627,52 @@ TEST(Session, PublishingAlternatelyOnTwoLosslessChannelsDoesNotStall) {
   EXPECT_TRUE(Await([&] { return count == 2000; }));
 }
 
+// The parameter is the transport of the channel: shared_memory or zmq.
+class HeldUpChannel : public DomainFixture, public testing::WithParamInterface<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Transports, HeldUpChannel, testing::Values("shared_memory", "zmq"),
+                         [](const auto& one) { return one.param == "zmq" ? "Zmq" : "SharedMemory"; });
+
+TEST_P(HeldUpChannel, IsLoggedWithTheSubscriberForWhichItWaits) {
+  const Bus bus;
+  const std::string rule = "channels: {notes: {transports: [" + GetParam() + "]}}\n";
+  Robot talker(bus.Publishing("robot") + rule);
+  Robot listener(bus.Subscribing("robot") + rule, "holder");
+  Door door;
+  const auto subscription = listener->FromAny<Note>("notes", kSerial, [&](const Note&) { door.Pass(); },
+                                                    {{}, Queue::KeepAll(1), Executor::Dedicated()});
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  EXPECT_TRUE(Await([&] {
+    (void)publish(Note("x"));
+    return talker.Said("Channel \"notes\" waits for ");
+  }));
+  EXPECT_TRUE(talker.Said("holder"));
+  door.Open();
+}
+
+// The free functions, as the listings of the paper use them.
+TEST(DefaultSession, PublishesAndSubscribesThroughFreeFunctions) {
+  Init();
+  Notes any;
+  Notes graph;
+  FromAny<Note>("any", Invoke::kSerial, std::ref(any));
+  FromGraph<Note>("graph", Invoke::kConcurrent, std::ref(graph));
+  EXPECT_EQ(ToAny("any", std::make_unique<Note>("a")), PublishStatus::kOk);
+  EXPECT_EQ(ToAny("any", Note("b")), PublishStatus::kOk);
+  EXPECT_EQ(ToGraph("graph", std::make_shared<const Note>("c")), PublishStatus::kOk);
+  EXPECT_TRUE(Await([&] { return any.size() == 2 && graph.size() == 1; }));
+  Shutdown();
+}
+
+TEST(DefaultSession, MisuseThrowsAnErrorThatNamesTheFix) {
+  EXPECT_THROW((void)DefaultSession(), Error);
+  Init();
+  EXPECT_THROW(Init(), Error);
+  Shutdown();
+  EXPECT_THROW((void)ToAny("c", Note("x")), Error);
+  Shutdown();  // A second call is allowed.
+}
+
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -2,21 +2,14 @@
 #include "session/observed/trace_publisher.hpp"
 
 #include <map>
-#include <mutex>
 
 #include "hgros/session/trace_message.hpp"
 #include "services/services_fixture.hpp"
 
-namespace hgros::trace_publisher_test {
+namespace hgros::test::trace_publisher_test {
 namespace {
 
 using namespace std::chrono_literals;
-using test::Await;
-using test::kPatience;
-using test::Pair;
-using test::PlacesOf;
-using test::Robot;
-using test::Sum;
 
 class Traces {
  public:
@@ -30,29 +23,26 @@ class Traces {
     for (const Trace::Run& event : trace.runs()) runs_[name(event.channel())] = {event, name(event.node())};
     lost_ += trace.lost();
   }
-  struct Publish {
-    Trace::Publish event;
+  template <class Event>
+  struct Of {
+    Event event;
     std::string node;
   };
-  struct Run {
-    Trace::Run event;
-    std::string node;
-  };
-  [[nodiscard]] bool HasRun(const std::string& channel) const {
-    const std::scoped_lock lock(mutex_);
-    return runs_.contains(channel);
-  }
   [[nodiscard]] bool Has(const std::string& channel) const {
     const std::scoped_lock lock(mutex_);
     return runs_.contains(channel) && publishes_.contains(channel);
   }
-  [[nodiscard]] Run run(const std::string& channel) const {
+  [[nodiscard]] Of<Trace::Run> run(const std::string& channel) const {
     const std::scoped_lock lock(mutex_);
     return runs_.at(channel);
   }
-  [[nodiscard]] Publish publish(const std::string& channel) const {
+  [[nodiscard]] Of<Trace::Publish> publish(const std::string& channel) const {
     const std::scoped_lock lock(mutex_);
     return publishes_.at(channel);
+  }
+  [[nodiscard]] bool HasRun(const std::string& channel) const {
+    const std::scoped_lock lock(mutex_);
+    return runs_.contains(channel);
   }
   [[nodiscard]] std::size_t sessions() const {
     const std::scoped_lock lock(mutex_);
@@ -66,12 +56,12 @@ class Traces {
  private:
   mutable std::mutex mutex_;
   std::map<std::uint64_t, int> messages_;
-  std::map<std::string, Publish> publishes_;
-  std::map<std::string, Run> runs_;
+  std::map<std::string, Of<Trace::Publish>> publishes_;
+  std::map<std::string, Of<Trace::Run>> runs_;
   std::uint64_t lost_ = 0;
 };
 
-using TracesOfSessions = test::DomainFixture;
+using TracesOfSessions = DomainFixture;
 
 TEST_F(TracesOfSessions, TellPublishesAndRunsWithTheirMessagesWhileSomebodyWatches) {
   Pair pair(PlacesOf("sharedmemory"));
@@ -79,7 +69,7 @@ TEST_F(TracesOfSessions, TellPublishesAndRunsWithTheirMessagesWhileSomebodyWatch
   const auto map = pair.server().Advertise<Sum>("map");
   const auto on_scan = pair.server().FromAny<Sum>("scan", Invoke::kSerial,
                                                   [&](const Sum& sum) {
-                                                    test::Linger(5ms);
+                                                    Linger(5ms);
                                                     map(sum);
                                                   },
                                                   {.name = "mapper"});
@@ -131,4 +121,4 @@ TEST(TraceMessages, TellWhatIsLost) {
 }
 
 }  // namespace
-}  // namespace hgros::trace_publisher_test
+}  // namespace hgros::test::trace_publisher_test
