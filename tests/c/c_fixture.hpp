@@ -5,15 +5,19 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "hgros/hgros.h"
 #include "support/await.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::test {
 
@@ -141,8 +145,16 @@ inline SubscriptionHandle Queue(const SessionHandle& session, const char* channe
   return Opened<hgros_subscription_close>(hgros_subscribe_queue, session.get(), channel, &options);
 }
 
+/// Subscribes with that, which must live as long.
+template <class Callback>
+SubscriptionHandle Subscribe(const SessionHandle& session, const char* channel, const Callback& callback) {
+  const auto call = [](void* user, const hgros_message* message) { (*static_cast<const Callback*>(user))(message); };
+  return Opened<hgros_subscription_close>(hgros_subscribe, session.get(), channel, nullptr, call,
+                                          const_cast<Callback*>(&callback), nullptr);
+}
+
 /// The next message as text, or the name of the status.
-inline std::string Take(const SubscriptionHandle& queue, std::int64_t timeout_ns = std::int64_t{45'000'000'000}) {
+inline std::string Take(const SubscriptionHandle& queue, std::int64_t timeout_ns = kPatienceNs) {
   hgros_message* message = nullptr;
   const hgros_status status = hgros_queue_take(queue.get(), timeout_ns, &message);
   const MessageHandle owned(message);

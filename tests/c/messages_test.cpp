@@ -2,75 +2,54 @@
 
 #include <cstdint>
 #include <cstring>
-#include <thread>
 
 #include "c/c_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::LastError;
-using test::Publish;
-using test::Publisher;
-using test::Take;
+using CMessages = CTest;
 
-using CMessages = test::CTest;
-
-bool IsReadable(const test::SubscriptionHandle& queue) {
+bool IsReadable(const SubscriptionHandle& queue) {
   pollfd one{hgros_queue_descriptor(queue.get()), POLLIN, 0};
   return poll(&one, 1, 0) == 1;
 }
 
-hgros_subscription_stats StatsOf(const test::SubscriptionHandle& subscription) {
-  auto stats = test::Sized<hgros_subscription_stats>();
+hgros_subscription_stats StatsOf(const SubscriptionHandle& subscription) {
+  auto stats = Sized<hgros_subscription_stats>();
   EXPECT_EQ(hgros_subscription_get_stats(subscription.get(), &stats), HGROS_OK);
   return stats;
 }
 
 TEST_F(CMessages, CallbackGetsBytesSchemaAndSender) {
-  struct Seen {
-    std::atomic<int> count{0};
-    std::string text;
-    std::string type;
-    hgros_message_info info{};
-  } seen;
-  const auto owned = test::Opened<hgros_subscription_close>(
-      hgros_subscribe, session.get(), "words", nullptr,
-      [](void* user, const hgros_message* message) {
-        auto& into = *static_cast<Seen*>(user);
-        into.text = test::TextOf(message);
-        into.type = hgros_schema_type_name(hgros_message_schema(message));
-        into.info.size = sizeof into.info;
-        EXPECT_EQ(hgros_message_get_info(message, &into.info), HGROS_OK);
-        ++into.count;
-      },
-      &seen, nullptr);
-  const auto publisher = Publisher(session, "words", text);
-  ASSERT_EQ(Publish(publisher, "hello"), HGROS_OK);
-  ASSERT_TRUE(Await([&] { return seen.count == 1; }));
-  EXPECT_EQ(seen.text, "hello");
-  EXPECT_EQ(seen.type, "text");
-  EXPECT_EQ(seen.info.publisher, hgros_session_id(session.get()));
-  EXPECT_EQ(seen.info.sequence, 1U);
-  EXPECT_EQ(seen.info.remote, 0);
-  EXPECT_NE(seen.info.key, 0U);
-}
-
-TEST_F(CMessages, CallbackGetsWhatAnotherSessionPublishes) {
-  test::Texts texts;
-  const auto take = [](void* user, const hgros_message* message) { test::Texts::Add(user, message); };
-  const auto owned =
-      test::Opened<hgros_subscription_close>(hgros_subscribe, session.get(), "words", nullptr, +take, &texts, nullptr);
   const auto other = OpenOther();
-  const auto publisher = Publisher(other, "words", text);
-  ASSERT_EQ(hgros_session_wait_for_subscribers(other.get(), "words", 1, test::kPatienceNs), HGROS_OK);
-  ASSERT_EQ(Publish(publisher, "hello"), HGROS_OK);
-  EXPECT_TRUE(Await([&] { return texts.all() == std::vector<std::string>{"hello"}; }));
+  for (const SessionHandle* const from : {static_cast<const SessionHandle*>(&session), &other}) {
+    std::atomic<int> count{0};
+    std::string got;
+    std::string type;
+    auto info = Sized<hgros_message_info>();
+    const auto take = [&](const hgros_message* message) {
+      got = TextOf(message);
+      type = hgros_schema_type_name(hgros_message_schema(message));
+      EXPECT_EQ(hgros_message_get_info(message, &info), HGROS_OK);
+      ++count;
+    };
+    const auto owned = Subscribe(session, "words", take);
+    const auto publisher = Publisher(*from, "words", text);
+    ASSERT_EQ(hgros_session_wait_for_subscribers(from->get(), "words", 1, kPatienceNs), HGROS_OK);
+    ASSERT_EQ(Publish(publisher, "hello"), HGROS_OK);
+    ASSERT_TRUE(Await([&] { return count == 1; }));
+    EXPECT_EQ(got, "hello");
+    EXPECT_EQ(type, "text");
+    EXPECT_EQ(info.publisher, hgros_session_id(from->get()));
+    EXPECT_EQ(info.sequence, 1U);
+    EXPECT_EQ(info.remote, from == &other ? 1 : 0);
+    EXPECT_NE(info.key, 0U);
+  }
 }
 
 TEST_F(CMessages, QueueIsTakenInOrderAndItsDescriptorSaysWhen) {
-  const auto queue = test::Queue(session, "words");
+  const auto queue = Queue(session, "words");
   const auto publisher = Publisher(session, "words", text);
   EXPECT_FALSE(IsReadable(queue));
   EXPECT_EQ(Take(queue, 0), "<timed out>");
@@ -81,33 +60,30 @@ TEST_F(CMessages, QueueIsTakenInOrderAndItsDescriptorSaysWhen) {
   EXPECT_EQ(Take(queue, 0), "b");
   EXPECT_FALSE(IsReadable(queue));
   EXPECT_EQ(StatsOf(queue).run, 2U);
-}
-
-TEST_F(CMessages, TakeWaitsForAMessageOfAnotherThread) {
-  const auto queue = test::Queue(session, "words");
-  const auto publisher = Publisher(session, "words", text);
-  std::thread later([&] {
-    test::Linger(std::chrono::milliseconds(20));
+  std::jthread later([&] {
+    Linger(std::chrono::milliseconds(20));
     EXPECT_EQ(Publish(publisher, "late"), HGROS_OK);
   });
-  EXPECT_EQ(Take(queue, -1), "late");
-  later.join();
+  EXPECT_EQ(Take(queue, -1), "late") << "waits for a message of another thread";
   EXPECT_EQ(Take(queue, 1'000'000), "<timed out>");
 }
 
-TEST_F(CMessages, KeepLastDropsTheOldestAndCounts) {
-  auto options = test::Sized<hgros_subscribe_options>();
+TEST_F(CMessages, KeepLastDropsTheOldestAndCountsAndLatchedMessagesReachALateQueue) {
+  auto options = Sized<hgros_subscribe_options>();
   options.keep_last = 2;
-  const auto queue = test::Opened<hgros_subscription_close>(hgros_subscribe_queue, session.get(), "words", &options);
-  const auto publisher = Publisher(session, "words", text);
+  const auto queue = Opened<hgros_subscription_close>(hgros_subscribe_queue, session.get(), "words", &options);
+  const auto publisher = Publisher(session, "words", text, 2);
   for (const char* word : {"a", "b", "c", "d"}) EXPECT_EQ(Publish(publisher, word), HGROS_OK);
   EXPECT_EQ(Take(queue, 0), "c");
   EXPECT_EQ(Take(queue, 0), "d");
   EXPECT_EQ(StatsOf(queue).dropped, 2U);
+  const auto late = Queue(session, "words");
+  EXPECT_EQ(Take(late, 0), "c");
+  EXPECT_EQ(Take(late, 0), "d");
 }
 
 TEST_F(CMessages, LosslessQueueMakesThePublisherWaitAndLosesNothing) {
-  const auto queue = test::Queue(session, "words", 2);
+  const auto queue = Queue(session, "words", 2);
   const auto publisher = Publisher(session, "words", text);
   EXPECT_EQ(Publish(publisher, "0"), HGROS_OK);
   EXPECT_EQ(Publish(publisher, "1"), HGROS_OK);
@@ -123,128 +99,90 @@ TEST_F(CMessages, LosslessQueueMakesThePublisherWaitAndLosesNothing) {
   publishing.join();
 }
 
-TEST_F(CMessages, LatchedMessagesReachALateQueue) {
-  const auto publisher = Publisher(session, "map", text, 2);
-  for (const char* word : {"old", "newer", "newest"}) EXPECT_EQ(Publish(publisher, word), HGROS_OK);
-  const auto queue = test::Queue(session, "map");
-  EXPECT_EQ(Take(queue, 0), "newer");
-  EXPECT_EQ(Take(queue, 0), "newest");
-}
-
 TEST_F(CMessages, KeptMessageOutlivesCallbackSubscriptionAndSession) {
   const std::uint64_t before = hgros_message_leases();
   std::atomic<hgros_message*> kept{nullptr};
-  hgros_subscription* subscription = nullptr;
-  ASSERT_EQ(hgros_subscribe(
-                session.get(), "words", nullptr,
-                [](void* user, const hgros_message* message) {
-                  hgros_message* mine = nullptr;
-                  EXPECT_EQ(hgros_message_keep(message, &mine), HGROS_OK);
-                  static_cast<std::atomic<hgros_message*>*>(user)->store(mine);
-                },
-                &kept, nullptr, &subscription),
-            HGROS_OK);
+  const auto keep = [&](const hgros_message* message) {
+    hgros_message* mine = nullptr;
+    EXPECT_EQ(hgros_message_keep(message, &mine), HGROS_OK);
+    kept = mine;
+  };
+  auto subscription = Subscribe(session, "words", keep);
   EXPECT_EQ(Publish(Publisher(session, "words", text), "kept"), HGROS_OK);
   ASSERT_TRUE(Await([&] { return kept.load() != nullptr; }));
-  hgros_subscription_close(subscription);
+  subscription.reset();
   session.reset();
   EXPECT_EQ(hgros_message_leases(), before + 1);
-  EXPECT_EQ(test::TextOf(kept), "kept");
+  EXPECT_EQ(TextOf(kept), "kept");
   hgros_message_free(kept);
   EXPECT_EQ(hgros_message_leases(), before);
 }
 
-TEST_F(CMessages, ASizeThatNoMemoryHasIsRefusedWithASentence) {
+TEST_F(CMessages, LoanIsFilledPublishedOnceAndThenClosedAndASizeThatNoMemoryHasIsRefused) {
   const auto publisher = Publisher(session, "words", text);
-  EXPECT_EQ(hgros_publish(publisher.get(), "x", SIZE_MAX), HGROS_NO_MEMORY);
-  EXPECT_EQ(LastError(), "There is no memory for it: its size is larger than any memory.");
-}
-
-TEST_F(CMessages, LoanIsFilledPublishedOnceAndThenClosed) {
-  const auto publisher = Publisher(session, "words", text);
-  const auto queue = test::Queue(session, "words");
+  const auto queue = Queue(session, "words", 1);
+  EXPECT_EQ(Publish(publisher, "first"), HGROS_OK);
   hgros_loan* loan = nullptr;
   ASSERT_EQ(hgros_loan_open(publisher.get(), 5, &loan), HGROS_OK);
   std::size_t size = 0;
   std::memcpy(hgros_loan_data(loan, &size), "loans", 5);
   EXPECT_EQ(size, 5U);
-  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
+  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_FULL);
+  EXPECT_EQ(Take(queue, 0), "first");
+  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_OK) << "a refused loan can be published again";
   EXPECT_EQ(hgros_loan_data(loan, &size), nullptr) << "nobody may write a published message";
   EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_INVALID_ARGUMENT);
   hgros_loan_free(loan);
   EXPECT_EQ(Take(queue, 0), "loans");
-}
-
-TEST_F(CMessages, RefusedLoanCanBePublishedAgain) {
-  const auto publisher = Publisher(session, "words", text);
-  const auto queue = test::Queue(session, "words", 1);
-  EXPECT_EQ(Publish(publisher, "first"), HGROS_OK);
-  hgros_loan* loan = nullptr;
-  ASSERT_EQ(hgros_loan_open(publisher.get(), 2, &loan), HGROS_OK);
-  std::memcpy(hgros_loan_data(loan, nullptr), "2.", 2);
-  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_FULL);
-  EXPECT_EQ(Take(queue, 0), "first");
-  EXPECT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
-  hgros_loan_free(loan);
-  EXPECT_EQ(Take(queue, 0), "2.");
+  EXPECT_EQ(hgros_publish(publisher.get(), "x", SIZE_MAX), HGROS_NO_MEMORY);
+  EXPECT_EQ(LastError(), "There is no memory for it: its size is larger than any memory.");
 }
 
 TEST_F(CMessages, BorrowedBytesAreReleasedOnceTheLastReaderIsDone) {
   static const std::string bytes = "mine";
   std::atomic<int> released{0};
-  const auto count = [](void* user) { ++*static_cast<std::atomic<int>*>(user); };
   const auto publisher = Publisher(session, "words", text);
-  const auto queue = test::Queue(session, "words");
-  ASSERT_EQ(hgros_publish_borrowed(publisher.get(), bytes.data(), bytes.size(), &released, count, 0), HGROS_OK);
+  const auto queue = Queue(session, "words", 1);
+  const auto publish = [&](hgros_publisher* with, std::int64_t timeout_ns) {
+    return hgros_publish_borrowed(
+        with, bytes.data(), bytes.size(), &released, [](void* user) { ++*static_cast<std::atomic<int>*>(user); },
+        timeout_ns);
+  };
+  EXPECT_EQ(Publish(publisher, "first"), HGROS_OK);
+  EXPECT_EQ(publish(publisher.get(), 0), HGROS_FULL);
+  EXPECT_EQ(publish(publisher.get(), 1'000'000), HGROS_TIMED_OUT);
+  EXPECT_EQ(released, 0) << "without room they stay the caller's";
+  EXPECT_EQ(Take(queue, 0), "first");
+  EXPECT_EQ(publish(publisher.get(), 0), HGROS_OK);
   EXPECT_EQ(released, 0) << "the message waits in the queue";
   hgros_message* message = nullptr;
   ASSERT_EQ(hgros_queue_take(queue.get(), 0, &message), HGROS_OK);
   EXPECT_EQ(hgros_message_data(message, nullptr), bytes.data()) << "not copied inside the process";
   hgros_message_free(message);
   EXPECT_EQ(released, 1);
-  EXPECT_EQ(hgros_publish_borrowed(nullptr, bytes.data(), bytes.size(), &released, count, 0), HGROS_INVALID_ARGUMENT);
+  EXPECT_EQ(publish(nullptr, 0), HGROS_INVALID_ARGUMENT);
   EXPECT_EQ(released, 2) << "also if it fails";
-}
-
-TEST_F(CMessages, BorrowedBytesForWhichThereIsNoRoomStayTheCallers) {
-  static const std::string bytes = "mine";
-  std::atomic<int> released{0};
-  const auto publisher = Publisher(session, "words", text);
-  const auto queue = test::Queue(session, "words", 1);
-  const auto publish = [&](std::int64_t timeout_ns) {
-    return hgros_publish_borrowed(
-        publisher.get(), bytes.data(), bytes.size(), &released,
-        [](void* user) { ++*static_cast<std::atomic<int>*>(user); }, timeout_ns);
-  };
-  EXPECT_EQ(Publish(publisher, "first"), HGROS_OK);
-  EXPECT_EQ(publish(0), HGROS_FULL);
-  EXPECT_EQ(publish(1'000'000), HGROS_TIMED_OUT);
-  EXPECT_EQ(released, 0);
-  EXPECT_EQ(Take(queue, 0), "first");
-  EXPECT_EQ(publish(0), HGROS_OK);
-  EXPECT_EQ(Take(queue, 0), "mine");
-  EXPECT_EQ(released, 1);
 }
 
 TEST_F(CMessages, AnotherTypeInThisSessionIsRefusedNamingBoth) {
   const auto publisher = Publisher(session, "words", text);
-  const auto numbers = test::TextSchema("number");
+  const auto numbers = TextSchema("number");
   hgros_publisher* second = nullptr;
   EXPECT_EQ(hgros_publisher_open(session.get(), "words", numbers.get(), nullptr, &second), HGROS_TYPE_MISMATCH);
   EXPECT_EQ(second, nullptr);
   EXPECT_NE(LastError().find("number"), std::string::npos) << LastError();
   EXPECT_NE(LastError().find("text"), std::string::npos) << LastError();
-  auto options = test::Sized<hgros_subscribe_options>();
+  auto options = Sized<hgros_subscribe_options>();
   options.schema = numbers.get();
   hgros_subscription* queue = nullptr;
   EXPECT_EQ(hgros_subscribe_queue(session.get(), "words", &options, &queue), HGROS_TYPE_MISMATCH);
 }
 
 TEST_F(CMessages, AnotherSessionsMessagesOfAnotherTypeAreCountedAndReported) {
-  const auto numbers = test::TextSchema("number");
-  const auto queue = test::Queue(session, "words", 0, numbers.get());
+  const auto numbers = TextSchema("number");
+  const auto queue = Queue(session, "words", 0, numbers.get());
   std::atomic<bool> told{false};
-  const auto watching = test::Opened<hgros_watch_close>(
+  const auto watching = Opened<hgros_watch_close>(
       hgros_watch_peers, session.get(),
       [](void* user, int32_t event, const hgros_peer* peer, const char* channel, const char* reason) {
         if (event != HGROS_PEER_TYPE_MISMATCH) return;
@@ -268,11 +206,11 @@ TEST_F(CMessages, AnotherSessionsMessagesOfAnotherTypeAreCountedAndReported) {
 TEST_F(CMessages, TypesOfTheLibraryAreKnownByTheirNames) {
   hgros_schema* schema = nullptr;
   ASSERT_EQ(hgros_schema_known("foxglove.Log", &schema), HGROS_OK) << LastError();
-  const test::SchemaHandle known(schema);
+  const SchemaHandle known(schema);
   std::size_t size = 0;
   ASSERT_NE(hgros_schema_descriptor_set(schema, &size), nullptr);
-  const auto same = test::Opened<hgros_schema_free>(hgros_schema_create, "foxglove.Log", HGROS_ENCODING_PROTOBUF, 0,
-                                                    hgros_schema_descriptor_set(schema, nullptr), size);
+  const auto same = Opened<hgros_schema_free>(hgros_schema_create, "foxglove.Log", HGROS_ENCODING_PROTOBUF, 0,
+                                              hgros_schema_descriptor_set(schema, nullptr), size);
   EXPECT_NE(hgros_schema_fingerprint(same.get()), 0U);
   EXPECT_EQ(hgros_schema_fingerprint(same.get()), hgros_schema_fingerprint(schema));
   EXPECT_EQ(hgros_schema_known("foxglove.Lof", &schema), HGROS_NOT_FOUND);
@@ -283,7 +221,7 @@ TEST_F(CMessages, TypesOfTheLibraryAreKnownByTheirNames) {
 TEST_F(CMessages, FourMegabytesInALoanReachAnotherSessionWithoutACopy) {
   constexpr std::size_t kBytes = 4 << 20;
   const auto other = OpenOther();
-  const auto queue = test::Queue(other, "images");
+  const auto queue = Queue(other, "images");
   const auto publisher = Publisher(session, "images", text);
   ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "images", 1, -1), HGROS_OK);
   hgros_loan* loan = nullptr;
@@ -291,12 +229,12 @@ TEST_F(CMessages, FourMegabytesInALoanReachAnotherSessionWithoutACopy) {
   std::memset(hgros_loan_data(loan, nullptr), 'x', kBytes);
   ASSERT_EQ(hgros_loan_publish(loan, 0), HGROS_OK);
   hgros_loan_free(loan);
-  const auto owned = test::Opened<hgros_message_free>(hgros_queue_take, queue.get(), -1);
-  EXPECT_EQ(test::TextOf(owned.get()), std::string(kBytes, 'x'));
-  const auto counters = test::Opened<hgros_message_free>(hgros_session_snapshot, session.get());
+  const auto owned = Opened<hgros_message_free>(hgros_queue_take, queue.get(), -1);
+  EXPECT_EQ(TextOf(owned.get()), std::string(kBytes, 'x'));
+  const auto counters = Opened<hgros_message_free>(hgros_session_snapshot, session.get());
   EXPECT_STREQ(hgros_schema_type_name(hgros_message_schema(counters.get())), "hgros.Snapshot");
-  EXPECT_NE(test::TextOf(counters.get()).find("images"), std::string::npos);
+  EXPECT_NE(TextOf(counters.get()).find("images"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,11 +1,10 @@
 // Structs of options: their versions, and what is refused.
 #include "c/c_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::LastError;
-using COptions = test::CTest;
+using COptions = CTest;
 
 TEST_F(COptions, StructsOfAnEarlierVersionAreReadAsFarAsTheyGo) {
   hgros_subscribe_options options{};
@@ -14,7 +13,7 @@ TEST_F(COptions, StructsOfAnEarlierVersionAreReadAsFarAsTheyGo) {
   options.size = offsetof(hgros_subscribe_options, keep_all);
   hgros_subscription* queue = nullptr;
   ASSERT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_OK) << LastError();
-  const test::SubscriptionHandle owned(queue);
+  const SubscriptionHandle owned(queue);
   hgros_subscription_stats stats{};
   stats.queued = 99;
   stats.size = offsetof(hgros_subscription_stats, queued);
@@ -38,7 +37,7 @@ TEST_F(COptions, FieldsOfALaterVersionAreRefusedUnlessTheyAreZero) {
   Later<hgros_subscribe_options> options;
   hgros_subscription* queue = nullptr;
   ASSERT_EQ(hgros_subscribe_queue(session.get(), "c", &options.known, &queue), HGROS_OK) << LastError();
-  const test::SubscriptionHandle owned(queue);
+  const SubscriptionHandle owned(queue);
   Later<hgros_subscription_stats> stats;
   stats.unknown = 99;
   EXPECT_EQ(hgros_subscription_get_stats(queue, &stats.known), HGROS_OK);
@@ -68,7 +67,7 @@ TEST_F(COptions, LogIsReleasedIfTheSessionIsRefusedOrHasNoUseForIt) {
   EXPECT_EQ(hgros_session_open("netwrok: {}", &options.known, &opened), HGROS_CONFIG_ERROR);
   EXPECT_EQ(released, 4);
   options.known.log = nullptr;
-  ASSERT_EQ(hgros_session_open(test::DomainYaml().c_str(), &options.known, &opened), HGROS_OK) << LastError();
+  ASSERT_EQ(hgros_session_open(DomainYaml().c_str(), &options.known, &opened), HGROS_OK) << LastError();
   EXPECT_EQ(released, 5);
   hgros_session_close(opened);
   EXPECT_EQ(released, 5);
@@ -80,7 +79,7 @@ TEST_F(COptions, ThoseWithoutAnEffectAreRefused) {
     EXPECT_EQ(hgros_subscribe_queue(session.get(), "c", &options, &queue), HGROS_INVALID_ARGUMENT) << field;
     EXPECT_NE(LastError().find(field), std::string::npos) << LastError();
   };
-  auto options = test::Sized<hgros_subscribe_options>();
+  auto options = Sized<hgros_subscribe_options>();
   options.executor = HGROS_EXECUTOR_DEDICATED;
   refused("executor", options);
   options.executor = 17;
@@ -88,7 +87,7 @@ TEST_F(COptions, ThoseWithoutAnEffectAreRefused) {
   options.executor = 0;
   options.keep_all_bytes = 1;
   refused("keep_all_bytes", options);
-  auto timing = test::Sized<hgros_timer_options>();
+  auto timing = Sized<hgros_timer_options>();
   timing.first_ns = -1;
   hgros_timer* timer = nullptr;
   EXPECT_EQ(hgros_timer_open(
@@ -98,4 +97,4 @@ TEST_F(COptions, ThoseWithoutAnEffectAreRefused) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

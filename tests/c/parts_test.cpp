@@ -1,37 +1,39 @@
 // Parameters, transforms, clocks and timers.
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <thread>
 
 #include "c/c_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::LastError;
+using ParamsHandle = std::unique_ptr<hgros_params, Ends<hgros_params_close>>;
+using ClockHandle = std::unique_ptr<hgros_simulated_clock, Ends<hgros_simulated_clock_close>>;
+using TimerHandle = std::unique_ptr<hgros_timer, Ends<hgros_timer_close>>;
 
-using ParamsHandle = std::unique_ptr<hgros_params, test::Ends<hgros_params_close>>;
-using TransformsHandle = std::unique_ptr<hgros_transforms, test::Ends<hgros_transforms_close>>;
-using ClockHandle = std::unique_ptr<hgros_simulated_clock, test::Ends<hgros_simulated_clock_close>>;
-using TimerHandle = std::unique_ptr<hgros_timer, test::Ends<hgros_timer_close>>;
-
-class CParts : public test::CTest {
+class CParts : public CTest {
  protected:
-  static ParamsHandle Params(const test::SessionHandle& session, const std::vector<std::string>& files = {}) {
+  static ParamsHandle Params(const SessionHandle& session, const std::vector<std::string>& files = {}) {
     std::vector<const char*> paths;
     for (const std::string& file : files) paths.push_back(file.c_str());
-    return test::Opened<hgros_params_close>(hgros_params_open, session.get(), paths.data(), paths.size());
+    return Opened<hgros_params_close>(hgros_params_open, session.get(), paths.data(), paths.size());
   }
   static void DeclareSpeed(const ParamsHandle& params) {
-    auto info = test::Sized<hgros_param_info>();
+    auto info = Sized<hgros_param_info>();
     info.description = "Speed of the base";
     info.unit = "m/s";
     info.has_least = info.has_most = 1;
     info.most = 2;
     EXPECT_EQ(hgros_params_declare(params.get(), "speed", HGROS_PARAM_NUMBER, "0.5", &info), HGROS_OK) << LastError();
+  }
+  // Watches with that, which must live as long.
+  template <class Callback>
+  static WatchHandle Watch(const ParamsHandle& params, const char* path, const Callback& callback) {
+    const auto call = [](void* user, const char* at, const char* yaml) {
+      (*static_cast<const Callback*>(user))(at, yaml);
+    };
+    return Opened<hgros_watch_close>(hgros_params_watch, params.get(), path, call, const_cast<Callback*>(&callback),
+                                     nullptr);
   }
   static double Speed(const ParamsHandle& params) {
     double speed = -1;
@@ -82,8 +84,8 @@ TEST_F(CParts, ParametersOfAnyShapeAreYaml) {
 }
 
 TEST_F(CParts, ParametersAreReadFromFilesAndSaved) {
-  const auto file = std::filesystem::temp_directory_path() / ("c_params_" + std::to_string(getpid()) + ".yaml");
-  std::ofstream(file) << "speed: 1.25  # of the base\n";
+  const ScratchFolder folder;
+  const std::string file = folder.Write("params.yaml", "speed: 1.25  # of the base\n");
   {
     const auto params = Params(nullptr, {file});
     EXPECT_EQ(Speed(params), 1.25);
@@ -91,47 +93,31 @@ TEST_F(CParts, ParametersAreReadFromFilesAndSaved) {
     ASSERT_EQ(hgros_params_save(params.get()), HGROS_OK) << LastError();
   }
   EXPECT_EQ(Speed(Params(nullptr, {file})), 0.75);
-  std::filesystem::remove(file);
   hgros_params* none = nullptr;
-  const std::string missing = file;
+  const std::string missing = folder / "missing.yaml";
   const char* const files[] = {missing.c_str()};
   EXPECT_EQ(hgros_params_open(nullptr, files, 1, &none), HGROS_CONFIG_ERROR) << LastError();
 }
-
-struct Changes {
-  std::mutex mutex;
-  std::vector<std::string> seen;
-  hgros_params* params = nullptr;
-  static void Note(void* user, const char* path, const char* yaml) {
-    auto& self = *static_cast<Changes*>(user);
-    EXPECT_EQ(hgros_params_close(self.params), HGROS_WOULD_DEADLOCK);
-    double speed = 0;
-    EXPECT_EQ(hgros_params_get_number(self.params, "speed", &speed), HGROS_OK) << "may be read in a callback";
-    const std::scoped_lock lock(self.mutex);
-    self.seen.push_back(std::string(path) + "=" + (yaml == nullptr ? "nothing" : yaml));
-  }
-  bool Saw(const std::string& one) {
-    const std::scoped_lock lock(mutex);
-    return std::find(seen.begin(), seen.end(), one) != seen.end();
-  }
-};
 
 TEST_F(CParts, ParametersOfAnotherSessionAreReadSetAndWatched) {
   const auto other = OpenOther();
   const auto own = Params(session);
   DeclareSpeed(own);
-  const auto remote =
-      test::Opened<hgros_params_close>(hgros_params_of, other.get(), "robot", std::int64_t{45'000'000'000});
+  const auto remote = Opened<hgros_params_close>(hgros_params_of, other.get(), "robot", kPatienceNs);
   EXPECT_EQ(Speed(remote), 0.5);
   EXPECT_EQ(hgros_params_set_number(remote.get(), "speed", 5), HGROS_REFUSED);
   EXPECT_EQ(hgros_params_set_number(remote.get(), "spee", 1), HGROS_REFUSED) << "it must exist";
-  Changes here;
-  here.params = own.get();
-  const auto watching =
-      test::Opened<hgros_watch_close>(hgros_params_watch, own.get(), "speed", &Changes::Note, &here, nullptr);
+  Texts changes;
+  const auto note = [&](const char* path, const char* value) {
+    EXPECT_EQ(hgros_params_close(own.get()), HGROS_WOULD_DEADLOCK);
+    (void)Speed(own);  // It may be read in a callback.
+    changes.Add(std::string(path) + "=" + (value == nullptr ? "nothing" : value));
+  };
+  const auto watching = Watch(own, "speed", note);
   ASSERT_EQ(hgros_params_set_number(remote.get(), "speed", 1), HGROS_OK) << LastError();
   EXPECT_EQ(Speed(own), 1);
-  EXPECT_TRUE(Await([&] { return here.Saw("speed=1.0"); })) << here.seen.at(0);
+  EXPECT_TRUE(Await([&] { return !changes.all().empty(); }));
+  EXPECT_EQ(changes.all(), std::vector<std::string>{"speed=1.0"});
   EXPECT_EQ(hgros_params_save(remote.get()), HGROS_ERROR);
   EXPECT_EQ(hgros_params_declare(remote.get(), "x", HGROS_PARAM_BOOL, "true", nullptr), HGROS_ERROR);
 }
@@ -140,25 +126,20 @@ TEST_F(CParts, EndOfASessionEndsItsWaitForTheParametersOfAnother) {
   const auto other = OpenOther();
   const auto own = Params(session);
   DeclareSpeed(own);
-  const auto remote = test::Opened<hgros_params_close>(hgros_params_of, other.get(), "robot", INT64_MAX);
-  struct Listener {
-    std::atomic<bool> entered{false};
-    test::Door door;
-  } listener;
-  const auto watching = test::Opened<hgros_watch_close>(
-      hgros_params_watch, own.get(), "speed",
-      [](void* user, const char*, const char*) {
-        auto& of = *static_cast<Listener*>(user);
-        of.entered = true;
-        of.door.Pass();
-      },
-      &listener, nullptr);
+  const auto remote = Opened<hgros_params_close>(hgros_params_of, other.get(), "robot", INT64_MAX);
+  std::atomic<bool> entered{false};
+  Door door;
+  const auto listen = [&](const char*, const char*) {
+    entered = true;
+    door.Pass();
+  };
+  const auto watching = Watch(own, "speed", listen);
   std::atomic<hgros_status> set{-1};
   std::thread setting([&] { set = hgros_params_set_number(remote.get(), "speed", 1); });
-  EXPECT_TRUE(Await([&] { return listener.entered.load(); }));
+  EXPECT_TRUE(Await([&] { return entered.load(); }));
   hgros_session_end(other.get());
   EXPECT_TRUE(Await([&] { return set != -1; }, std::chrono::seconds(5)));
-  listener.door.Open();
+  door.Open();
   setting.join();
   EXPECT_EQ(set, HGROS_CLOSED);
 }
@@ -179,7 +160,7 @@ TEST_F(CParts, WatchTellsOnlyOfItsPathAndNotOnceItIsClosed) {
     if (self.closes) hgros_watch_close(self.watch);
   };
   ASSERT_EQ(hgros_params_watch(params.get(), "arm.speed", note, &part, nullptr, &part.watch), HGROS_OK);
-  const test::WatchHandle watching(part.watch);
+  const WatchHandle watching(part.watch);
   ASSERT_EQ(hgros_params_watch(params.get(), "arm", note, &closing, nullptr, &closing.watch), HGROS_OK);
   ASSERT_EQ(hgros_params_set(params.get(), "arm", "{speed: 3, torque: 4}"), HGROS_OK) << LastError();
   EXPECT_EQ(part.seen, std::vector<std::string>{"arm.speed=3"}) << "the other one has changed, too";
@@ -191,8 +172,8 @@ struct MeetingWatch {
   ParamsHandle params;
   hgros_watch* watch = nullptr;
   hgros_watch* other = nullptr;
-  test::Door* here = nullptr;
-  test::Door* there = nullptr;
+  Door* here = nullptr;
+  Door* there = nullptr;
   std::atomic<bool> released{false};
 
   void Watch() {
@@ -211,7 +192,7 @@ struct MeetingWatch {
 
 TEST_F(CParts, TwoWatchesMayCloseEachOtherInTheirCallbacks) {
   std::array<MeetingWatch, 2> both;
-  std::array<test::Door, 2> doors;
+  std::array<Door, 2> doors;
   for (std::size_t i = 0; i < 2; ++i) {
     both.at(i).params = Params(nullptr);
     both.at(i).here = &doors.at(i);
@@ -239,7 +220,7 @@ TEST_F(CParts, TwoWatchesMayCloseEachOtherInTheirCallbacks) {
 hgros_transform Pose(double x, std::int64_t stamp_ns) { return {{x, 0, 0}, {0, 0, 0, 1}, stamp_ns}; }
 
 TEST_F(CParts, TransformsAreLookedUpByNameOrSayWhyNot) {
-  const auto transforms = test::Opened<hgros_transforms_close>(hgros_transforms_open, session.get());
+  const auto transforms = Opened<hgros_transforms_close>(hgros_transforms_open, session.get());
   hgros_transforms* second_open = nullptr;
   EXPECT_EQ(hgros_transforms_open(session.get(), &second_open), HGROS_ERROR) << "one at a time";
   const std::int64_t now = hgros_wall_now();
@@ -269,8 +250,8 @@ TEST_F(CParts, TransformsAreLookedUpByNameOrSayWhyNot) {
 
 TEST_F(CParts, TransformsReachOtherSessions) {
   const auto other = OpenOther();
-  const auto sends = test::Opened<hgros_transforms_close>(hgros_transforms_open, session.get());
-  const auto receives = test::Opened<hgros_transforms_close>(hgros_transforms_open, other.get());
+  const auto sends = Opened<hgros_transforms_close>(hgros_transforms_open, session.get());
+  const auto receives = Opened<hgros_transforms_close>(hgros_transforms_open, other.get());
   const hgros_transform pose = Pose(2, 0);
   ASSERT_EQ(hgros_transforms_set_static(sends.get(), "map", "dock", &pose), HGROS_OK);
   hgros_transform found{};
@@ -279,8 +260,8 @@ TEST_F(CParts, TransformsReachOtherSessions) {
 }
 
 TEST_F(CParts, TimersFollowASimulatedClock) {
-  session = test::Open(yaml + "\ntime: simulated\n", log);
-  const auto clock = test::Opened<hgros_simulated_clock_close>(hgros_simulated_clock_open, session.get(), 1000, 1);
+  session = Open(yaml + "\ntime: simulated\n", log);
+  const auto clock = Opened<hgros_simulated_clock_close>(hgros_simulated_clock_open, session.get(), 1000, 1);
   ASSERT_TRUE(Await([&] { return hgros_session_now(session.get()) == 1000; }));
   struct Turns {
     std::atomic<int> count{0};
@@ -337,7 +318,7 @@ TEST_F(CParts, SimulatedClockRefusesTimesThatNoneCouldFollow) {
 TEST_F(CParts, TimerMayBeClosedInItsOwnCallback) {
   struct Turning {
     hgros_timer* timer = nullptr;
-    test::Door opened;
+    Door opened;
     std::atomic<int> released{0};
   } turning;
   hgros_timer* opened = nullptr;
@@ -356,4 +337,4 @@ TEST_F(CParts, TimerMayBeClosedInItsOwnCallback) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

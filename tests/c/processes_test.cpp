@@ -4,19 +4,12 @@
 
 #include <cstdio>
 #include <cstring>
-#include <thread>
 
 #include "c/c_fixture.hpp"
 #include "support/path.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::kPatienceNs;
-using test::LastError;
-using test::Publish;
-using test::Publisher;
 
 // A program in C99 that uses the library, as peer.c says.
 class Peer {
@@ -28,7 +21,7 @@ class Peer {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
     posix_spawn_file_actions_addclose(&actions, ends[0]);
-    arguments.insert(arguments.begin(), test::Path("peer"));
+    arguments.insert(arguments.begin(), Path("peer"));
     std::vector<char*> texts;
     for (std::string& one : arguments) texts.push_back(one.data());
     texts.push_back(nullptr);
@@ -68,7 +61,7 @@ class Peer {
   FILE* output_ = nullptr;
 };
 
-using CProcesses = test::CTest;
+using CProcesses = CTest;
 
 TEST_F(CProcesses, SlowLosslessTakerHoldsThePublisherBackAndMissesNothing) {
   constexpr int kMessages = 60;
@@ -93,7 +86,7 @@ TEST_F(CProcesses, SlowLosslessTakerHoldsThePublisherBackAndMissesNothing) {
 TEST_F(CProcesses, KilledLosslessSubscriberFreesThePublisher) {
   const auto publisher = Publisher(session, "words", text);
   std::atomic<bool> gone{false};
-  const auto watching = test::Opened<hgros_watch_close>(
+  const auto watching = Opened<hgros_watch_close>(
       hgros_watch_peers, session.get(),
       [](void* user, int32_t event, const hgros_peer*, const char*, const char*) {
         if (event == HGROS_PEER_GONE) *static_cast<std::atomic<bool>*>(user) = true;
@@ -110,7 +103,7 @@ TEST_F(CProcesses, KilledLosslessSubscriberFreesThePublisher) {
 // Another thread is inside while the process forks, so the child finds it counted as a user.
 TEST_F(CProcesses, ForkedChildIsRefusedAndMayCloseWhatItInherits) {
   const auto publisher = Publisher(session, "words", text);
-  const auto queue = test::Queue(session, "words");
+  const auto queue = Queue(session, "words");
   hgros_transforms* transforms = nullptr;
   ASSERT_EQ(hgros_transforms_open(session.get(), &transforms), HGROS_OK);
   std::atomic<bool> waits{false};
@@ -120,14 +113,14 @@ TEST_F(CProcesses, ForkedChildIsRefusedAndMayCloseWhatItInherits) {
     EXPECT_EQ(hgros_transforms_wait(transforms, "map", "base", 1, -1, &found), HGROS_CLOSED);
   });
   ASSERT_TRUE(Await([&] { return waits.load(); }));
-  test::Linger(std::chrono::milliseconds(20));
+  Linger(std::chrono::milliseconds(20));
   const pid_t child = fork();
   if (child == 0) {
     hgros_transform found;
     int refused = Publish(publisher, "x") == HGROS_CLOSED ? 1 : 0;
     refused += LastError().find("from which this one was forked") != std::string::npos ? 1 : 0;
     refused += hgros_session_log(session.get(), HGROS_LOG_ERROR, "x") == HGROS_CLOSED ? 1 : 0;
-    refused += test::Take(queue, 0) == "<closed>" ? 1 : 0;
+    refused += Take(queue, 0) == "<closed>" ? 1 : 0;
     refused += hgros_transforms_lookup(transforms, "map", "base", &found) == HGROS_CLOSED ? 1 : 0;
     refused += hgros_session_wait_for_subscribers(session.get(), "words", 1, -1) == HGROS_CLOSED ? 1 : 0;
     hgros_session_end(session.get());
@@ -156,7 +149,7 @@ TEST_F(CProcesses, ServiceOfAnotherProcessAnswersUntilItIsKilled) {
   };
   hgros_message* reply = nullptr;
   ASSERT_TRUE(Await([&] { return call(&reply) == HGROS_OK; })) << LastError();
-  EXPECT_EQ(test::TextOf(reply), "HELLO");
+  EXPECT_EQ(TextOf(reply), "HELLO");
   EXPECT_STREQ(hgros_schema_type_name(hgros_message_schema(reply)), "text");
   hgros_message_free(reply);
   peer.Kill();
@@ -168,4 +161,4 @@ TEST_F(CProcesses, ServiceOfAnotherProcessAnswersUntilItIsKilled) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,17 +1,8 @@
-#include <functional>
-#include <memory>
-#include <thread>
-#include <vector>
 
 #include "c/c_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::LastError;
-using test::LogLines;
-using test::Publish;
 
 // The pointer of a program: what its callback and its release do, and the status that the release got.
 struct Program {
@@ -21,6 +12,7 @@ struct Program {
   hgros_subscription* subscription = nullptr;
   hgros_watch* watch = nullptr;
   std::function<hgros_status(Program&)> at_release;
+  std::atomic<int> calls{0};
   std::atomic<bool> released{false};
   hgros_status status = HGROS_ERROR;
 
@@ -41,7 +33,7 @@ hgros_status CloseSession(Program& of) {
 struct Fixture {
   LogLines log;
   Program program;
-  test::SchemaHandle text = test::TextSchema();
+  SchemaHandle text = TextSchema();
 };
 
 Fixture& NewFixture(std::function<hgros_status(Program&)> at_release) {
@@ -49,7 +41,7 @@ Fixture& NewFixture(std::function<hgros_status(Program&)> at_release) {
   Fixture& made = *all.emplace_back(std::make_unique<Fixture>());
   Program& program = made.program;
   program.at_release = std::move(at_release);
-  program.session = test::Open(test::DomainYaml(), made.log).release();
+  program.session = Open(DomainYaml(), made.log).release();
   EXPECT_EQ(hgros_transforms_open(program.session, &program.transforms), HGROS_OK) << LastError();
   return made;
 }
@@ -60,18 +52,21 @@ hgros_publisher* PublisherOf(Fixture& fixture) {
   return publisher;
 }
 
-// The callback closes its own subscription, so its pointer is let go on the thread that has run it.
+// The callback closes its own subscription, so it runs once, and its pointer is let go on the thread that has run it.
 void SubscribeAndCloseInside(Fixture& fixture, std::int32_t executor) {
   Program& program = fixture.program;
-  auto options = test::Sized<hgros_subscribe_options>();
+  auto options = Sized<hgros_subscribe_options>();
   options.executor = executor;
-  ASSERT_EQ(
-      hgros_subscribe(
-          program.session, "words", &options,
-          [](void* user, const hgros_message*) { hgros_subscription_close(static_cast<Program*>(user)->subscription); },
-          &program, &Program::Release, &program.subscription),
-      HGROS_OK);
-  const test::PublisherHandle publisher(PublisherOf(fixture));
+  ASSERT_EQ(hgros_subscribe(
+                program.session, "words", &options,
+                [](void* user, const hgros_message*) {
+                  auto& of = *static_cast<Program*>(user);
+                  ++of.calls;
+                  hgros_subscription_close(of.subscription);
+                },
+                &program, &Program::Release, &program.subscription),
+            HGROS_OK);
+  const PublisherHandle publisher(PublisherOf(fixture));
   ASSERT_EQ(Publish(publisher, "go"), HGROS_OK);
   ASSERT_TRUE(Await([&] { return program.released.load(); }));
 }
@@ -82,6 +77,9 @@ TEST_P(CRelease, OfACallbackThatRanIsInsideIt) {
   Fixture& fixture = NewFixture(CloseTransforms);
   SubscribeAndCloseInside(fixture, GetParam());
   EXPECT_EQ(fixture.program.status, HGROS_WOULD_DEADLOCK);
+  EXPECT_EQ(Publish(PublisherHandle(PublisherOf(fixture)), "again"), HGROS_OK);
+  EXPECT_EQ(hgros_session_wait_idle(fixture.program.session, -1), HGROS_OK);
+  EXPECT_EQ(fixture.program.calls, 1);
   EXPECT_EQ(hgros_transforms_close(fixture.program.transforms), HGROS_OK);
   hgros_session_close(fixture.program.session);
 }
@@ -93,6 +91,28 @@ TEST_P(CRelease, OfACallbackThatRanMayCloseTheSession) {
   hgros_transform found;
   EXPECT_EQ(hgros_transforms_lookup(fixture.program.transforms, "a", "b", &found), HGROS_CLOSED);
   EXPECT_EQ(hgros_transforms_close(fixture.program.transforms), HGROS_OK);
+}
+
+TEST(CReleaseElsewhere, CallbackMayCloseTheSessionBeforeItReturns) {
+  Fixture& fixture = NewFixture(CloseSession);
+  Program& program = fixture.program;
+  ASSERT_EQ(hgros_subscribe(
+                program.session, "words", nullptr,
+                [](void* user, const hgros_message*) {
+                  EXPECT_EQ(CloseTransforms(*static_cast<Program*>(user)), HGROS_WOULD_DEADLOCK);
+                  Program::Release(user);
+                },
+                &program, nullptr, &program.subscription),
+            HGROS_OK);
+  const PublisherHandle publisher(PublisherOf(fixture));
+  EXPECT_EQ(Publish(publisher, "go"), HGROS_OK);
+  ASSERT_TRUE(Await([&] { return program.released.load(); }));
+  EXPECT_TRUE(fixture.log.Contain("callback")) << "the log says which callback closed it";
+  EXPECT_EQ(Publish(publisher, "more"), HGROS_CLOSED);
+  hgros_subscription_close(program.subscription);
+  hgros_transform found;
+  EXPECT_EQ(hgros_transforms_lookup(program.transforms, "a", "b", &found), HGROS_CLOSED);
+  EXPECT_EQ(hgros_transforms_close(program.transforms), HGROS_OK);
 }
 
 INSTANTIATE_TEST_SUITE_P(Executors, CRelease,
@@ -120,9 +140,9 @@ TEST(CReleaseElsewhere, OfAnEndedCallMayCloseTheSession) {
   Fixture& fixture = NewFixture(CloseSession);
   Program& program = fixture.program;
   LogLines log;
-  const auto server = test::Open("data_graph: {threads: 2}", log, "server");
-  const auto service = test::Opened<hgros_service_close>(hgros_serve_queue, server.get(), "ask", fixture.text.get(),
-                                                         fixture.text.get(), nullptr);
+  const auto server = Open("data_graph: {threads: 2}", log, "server");
+  const auto service = Opened<hgros_service_close>(hgros_serve_queue, server.get(), "ask", fixture.text.get(),
+                                                   fixture.text.get(), nullptr);
   ASSERT_EQ(hgros_call_later(
                 program.session, "ask", fixture.text.get(), "x", 1, fixture.text.get(), 300'000'000,
                 [](void*, hgros_status, const char*, const hgros_message*) {}, &program, &Program::Release, nullptr),
@@ -161,7 +181,7 @@ TEST(CReleaseElsewhere, OfBorrowedBytesInAQueueMayCloseTheQueue) {
   });
   Program& program = fixture.program;
   ASSERT_EQ(hgros_subscribe_queue(program.session, "words", nullptr, &program.subscription), HGROS_OK);
-  const test::PublisherHandle publisher(PublisherOf(fixture));
+  const PublisherHandle publisher(PublisherOf(fixture));
   ASSERT_EQ(hgros_publish_borrowed(publisher.get(), "x", 1, &program, &Program::Release, 0), HGROS_OK);
   std::atomic<bool> ended{false};
   std::thread ending([&] {
@@ -192,4 +212,4 @@ TEST(CReleaseElsewhere, OfAWatchOfParametersIsInsideThem) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

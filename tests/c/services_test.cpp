@@ -1,12 +1,8 @@
-#include <thread>
 
 #include "c/c_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
-
-using test::Await;
-using test::LastError;
 
 struct Ended {
   std::atomic<int> calls{0};
@@ -15,18 +11,18 @@ struct Ended {
   std::string reply;
   static void Note(void* user, hgros_status status, const char* sentence, const hgros_message* reply) {
     auto& self = *static_cast<Ended*>(user);
-    self.reply = reply == nullptr ? sentence : test::TextOf(reply);
+    self.reply = reply == nullptr ? sentence : TextOf(reply);
     self.status = status;
     ++self.calls;
   }
   static void Release(void* user) { ++static_cast<Ended*>(user)->released; }
 };
 
-class CServices : public test::CTest {
+class CServices : public CTest {
  protected:
   // Replies with the request, or fails with it if it begins with "!". "?" gets no reply.
   static void Echo(void* /*user*/, const hgros_message* request, hgros_reply* reply) {
-    const std::string asked = test::TextOf(request);
+    const std::string asked = TextOf(request);
     if (asked == "?") return;
     if (asked.starts_with("!")) {
       EXPECT_EQ(hgros_reply_fail(reply, asked.substr(1).c_str()), HGROS_OK);
@@ -35,16 +31,16 @@ class CServices : public test::CTest {
     EXPECT_EQ(hgros_reply_set(reply, asked.data(), asked.size()), HGROS_OK);
     EXPECT_EQ(hgros_reply_set(reply, "twice", 5), HGROS_INVALID_ARGUMENT);
   }
-  test::ServiceHandle Serve(const test::SessionHandle& on) {
-    return test::Opened<hgros_service_close>(hgros_serve, on.get(), "echo", text.get(), text.get(), nullptr, &Echo,
-                                             nullptr, nullptr);
+  ServiceHandle Serve(const SessionHandle& on) {
+    return Opened<hgros_service_close>(hgros_serve, on.get(), "echo", text.get(), text.get(), nullptr, &Echo, nullptr,
+                                       nullptr);
   }
   // Serves "slow", whose replies are empty and come once the door is open.
-  test::ServiceHandle ServeBehind(test::Door& door, const test::SessionHandle& on) {
-    return test::Opened<hgros_service_close>(
+  ServiceHandle ServeBehind(Door& door, const SessionHandle& on) {
+    return Opened<hgros_service_close>(
         hgros_serve, on.get(), "slow", text.get(), text.get(), nullptr,
         [](void* user, const hgros_message*, hgros_reply* reply) {
-          static_cast<test::Door*>(user)->Pass();
+          static_cast<Door*>(user)->Pass();
           EXPECT_EQ(hgros_reply_set(reply, nullptr, 0), HGROS_OK);
         },
         &door, nullptr);
@@ -54,12 +50,12 @@ class CServices : public test::CTest {
                             &Ended::Release, call);
   }
   // The reply, or the name of the status.
-  std::string Call(const test::SessionHandle& from, const std::string& request, const hgros_schema* schema = nullptr) {
+  std::string Call(const SessionHandle& from, const std::string& request, const hgros_schema* schema = nullptr) {
     hgros_message* reply = nullptr;
     const hgros_status status = hgros_call(from.get(), "echo", schema == nullptr ? text.get() : schema, request.data(),
-                                           request.size(), text.get(), std::int64_t{45'000'000'000}, &reply);
-    const test::MessageHandle owned(reply);
-    return status == HGROS_OK ? test::TextOf(reply) : "<" + std::string(hgros_status_name(status)) + ">";
+                                           request.size(), text.get(), kPatienceNs, &reply);
+    const MessageHandle owned(reply);
+    return status == HGROS_OK ? TextOf(reply) : "<" + std::string(hgros_status_name(status)) + ">";
   }
 };
 
@@ -67,7 +63,7 @@ TEST_F(CServices, AnswerInTheSameSessionAndInAnother) {
   const auto service = Serve(session);
   const auto other = OpenOther();
   EXPECT_EQ(Call(session, "here"), "here");
-  ASSERT_TRUE(test::AwaitServed(other, "echo"));
+  ASSERT_TRUE(AwaitServed(other, "echo"));
   EXPECT_EQ(Call(other, "there"), "there");
 }
 
@@ -82,7 +78,7 @@ TEST_F(CServices, HandlerThatFailsOrForgetsItsReplyTellsTheCaller) {
 TEST_F(CServices, MissingServerAndWrongTypeAreToldApart) {
   EXPECT_EQ(Call(session, "x"), "<no server>");
   const auto service = Serve(session);
-  const auto numbers = test::TextSchema("number");
+  const auto numbers = TextSchema("number");
   EXPECT_EQ(Call(session, "x", numbers.get()), "<type mismatch>");
   EXPECT_NE(LastError().find("number"), std::string::npos) << LastError();
   EXPECT_NE(LastError().find("text"), std::string::npos) << LastError();
@@ -91,27 +87,21 @@ TEST_F(CServices, MissingServerAndWrongTypeAreToldApart) {
             HGROS_ERROR);
 }
 
-TEST_F(CServices, ReplyComesToACallbackOnce) {
+TEST_F(CServices, ReplyComesToACallbackOnceAndNeedsNoHandle) {
   const auto service = Serve(session);
-  Ended ended;
-  hgros_pending_call* call = nullptr;
-  ASSERT_EQ(Later("echo", ended, &call), HGROS_OK);
-  ASSERT_TRUE(Await([&] { return ended.calls == 1; }));
-  EXPECT_EQ(ended.status, HGROS_OK);
-  EXPECT_EQ(ended.reply, "later");
-  hgros_call_cancel(call);
-  hgros_call_free(call);
-  EXPECT_TRUE(Await([&] { return ended.released == 1; }));
-  EXPECT_EQ(ended.calls, 1);
-}
-
-TEST_F(CServices, CallLaterNeedsNoHandle) {
-  const auto service = Serve(session);
-  Ended ended;
-  ASSERT_EQ(Later("echo", ended, nullptr), HGROS_OK) << LastError();
-  ASSERT_TRUE(Await([&] { return ended.released == 1; }));
-  EXPECT_EQ(ended.calls, 1);
-  EXPECT_EQ(ended.status, HGROS_OK);
+  for (const bool handle : {true, false}) {
+    SCOPED_TRACE(handle);
+    Ended ended;
+    hgros_pending_call* call = nullptr;
+    ASSERT_EQ(Later("echo", ended, handle ? &call : nullptr), HGROS_OK) << LastError();
+    ASSERT_TRUE(Await([&] { return ended.calls == 1; }));
+    EXPECT_EQ(ended.status, HGROS_OK);
+    EXPECT_EQ(ended.reply, "later");
+    hgros_call_cancel(call);
+    hgros_call_free(call);
+    EXPECT_TRUE(Await([&] { return ended.released == 1; }));
+    EXPECT_EQ(ended.calls, 1);
+  }
 }
 
 TEST_F(CServices, HandlerWithoutAPlaceForItsServiceIsNotServed) {
@@ -124,7 +114,7 @@ TEST_F(CServices, HandlerWithoutAPlaceForItsServiceIsNotServed) {
 }
 
 TEST_F(CServices, CancelledCallTellsItsCallback) {
-  test::Door door;
+  Door door;
   const auto service = ServeBehind(door, session);
   Ended ended;
   hgros_pending_call* call = nullptr;
@@ -138,7 +128,7 @@ TEST_F(CServices, CancelledCallTellsItsCallback) {
 }
 
 TEST_F(CServices, EndOfTheSessionEndsItsCalls) {
-  test::Door door;
+  Door door;
   const auto other = OpenOther();
   const auto service = ServeBehind(door, other);
   Ended ended;
@@ -153,4 +143,4 @@ TEST_F(CServices, EndOfTheSessionEndsItsCalls) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test

@@ -1,22 +1,11 @@
 #include <poll.h>
 
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <thread>
-
 #include "c/c_fixture.hpp"
 
-namespace hgros {
+namespace hgros::test {
 namespace {
 
-using test::Await;
-using test::LastError;
-using test::LogLines;
-using test::Publish;
-using test::Publisher;
-using test::Take;
-using CSession = test::CTest;
+using CSession = CTest;
 
 TEST_F(CSession, NullArgumentsGiveACodeAndASentence) {
   EXPECT_EQ(hgros_session_open("", nullptr, nullptr), HGROS_INVALID_ARGUMENT);
@@ -61,23 +50,18 @@ TEST_F(CSession, ConfigurationErrorsNameLineAndFix) {
 }
 
 TEST_F(CSession, ReadsAndMergesFiles) {
-  const auto folder = std::filesystem::temp_directory_path() / ("c_session_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  const std::string one = folder / "one.yaml";
-  const std::string two = folder / "two.yaml";
-  std::ofstream(one) << yaml << "\n";
-  std::ofstream(two) << "channels: {words: {latched: 1}}\n";
-  const char* const files[] = {one.c_str(), two.c_str()};
+  const ScratchFolder folder;
+  const std::string one = folder.Write("one.yaml", yaml + "\n");
+  const std::string two = folder.Write("two.yaml", "channels: {words: {latched: 1}}\n");
+  const std::string missing = folder / "three.yaml";
+  const char* const files[] = {one.c_str(), two.c_str(), missing.c_str()};
   hgros_session* opened = nullptr;
   ASSERT_EQ(hgros_session_open_files(files, 2, nullptr, &opened), HGROS_OK) << LastError();
   session.reset(opened);
   EXPECT_EQ(Publish(Publisher(session, "words", text), "latched by the file"), HGROS_OK);
-  EXPECT_EQ(Take(test::Queue(session, "words"), 0), "latched by the file");
-  const std::string missing = folder / "three.yaml";
-  const char* const none[] = {missing.c_str()};
-  EXPECT_EQ(hgros_session_open_files(none, 1, nullptr, &opened), HGROS_CONFIG_ERROR) << LastError();
+  EXPECT_EQ(Take(Queue(session, "words"), 0), "latched by the file");
+  EXPECT_EQ(hgros_session_open_files(files + 2, 1, nullptr, &opened), HGROS_CONFIG_ERROR) << LastError();
   EXPECT_NE(LastError().find("three.yaml"), std::string::npos) << LastError();
-  std::filesystem::remove_all(folder);
 }
 
 TEST_F(CSession, LastErrorBelongsToItsThread) {
@@ -95,7 +79,7 @@ TEST_F(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
     LogLines lines;
     std::atomic<int> released{0};
   } sink;
-  auto options = test::Sized<hgros_session_options>();
+  auto options = Sized<hgros_session_options>();
   options.log = [](void* user, int32_t level, const char* line) {
     EXPECT_EQ(level, HGROS_LOG_WARNING);
     LogLines::Add(&static_cast<Sink*>(user)->lines, level, line);
@@ -103,7 +87,7 @@ TEST_F(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
   options.log_user = &sink;
   options.log_release = [](void* user) { ++static_cast<Sink*>(user)->released; };
   hgros_session* opened = nullptr;
-  ASSERT_EQ(hgros_session_open(test::DomainYaml().c_str(), &options, &opened), HGROS_OK);
+  ASSERT_EQ(hgros_session_open(DomainYaml().c_str(), &options, &opened), HGROS_OK);
   ASSERT_EQ(hgros_session_set_log_level(opened, HGROS_LOG_WARNING), HGROS_OK);
   EXPECT_EQ(hgros_session_log(opened, HGROS_LOG_INFO, "not written"), HGROS_OK);
   EXPECT_EQ(hgros_session_log(opened, HGROS_LOG_WARNING, "written"), HGROS_OK);
@@ -123,7 +107,7 @@ TEST_F(CSession, LogSinkGetsLinesOfTheSessionAndIsReleasedWithIt) {
 
 TEST_F(CSession, ClosingItClosesWhatWasMadeFromIt) {
   const auto publisher = Publisher(session, "words", text);
-  const auto queue = test::Queue(session, "words");
+  const auto queue = Queue(session, "words");
   hgros_transforms* transforms = nullptr;
   ASSERT_EQ(hgros_transforms_open(session.get(), &transforms), HGROS_OK);
   std::thread taking([&] { EXPECT_EQ(Take(queue, -1), "<closed>"); });
@@ -131,7 +115,7 @@ TEST_F(CSession, ClosingItClosesWhatWasMadeFromIt) {
     hgros_transform found;
     EXPECT_EQ(hgros_transforms_wait(transforms, "map", "base", 1, -1, &found), HGROS_CLOSED) << LastError();
   });
-  test::Linger(std::chrono::milliseconds(20));
+  Linger(std::chrono::milliseconds(20));
   session.reset();
   taking.join();
   waiting.join();
@@ -146,8 +130,8 @@ TEST_F(CSession, ClosingItClosesWhatWasMadeFromIt) {
 TEST_F(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
   const auto other = OpenOther();
   const auto publisher = Publisher(session, "words", text);
-  const auto queue = test::Queue(session, "numbers");
-  const auto full = test::Queue(session, "words", 1);
+  const auto queue = Queue(session, "numbers");
+  const auto full = Queue(session, "words", 1);
   ASSERT_EQ(Publish(publisher, "fills the queue"), HGROS_OK);
   hgros_transforms* transforms = nullptr;
   ASSERT_EQ(hgros_transforms_open(session.get(), &transforms), HGROS_OK);
@@ -176,7 +160,7 @@ TEST_F(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
     });
   }
   ASSERT_TRUE(Await([&] { return waiting == waits.size(); }));
-  test::Linger(std::chrono::milliseconds(20));
+  Linger(std::chrono::milliseconds(20));
   hgros_session_end(session.get());
   for (std::thread& one : threads) one.join();
   for (const auto& wait : waits) EXPECT_EQ(wait(), HGROS_CLOSED) << LastError();
@@ -195,128 +179,54 @@ TEST_F(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
 }
 
 TEST_F(CSession, CallbackMayEndItButNotWaitUntilItIsIdle) {
-  struct Ending {
-    hgros_session* session;
-    std::atomic<hgros_status> idle{-1};
-  } ending{session.get(), -1};
-  const auto owned = test::Opened<hgros_subscription_close>(
-      hgros_subscribe, session.get(), "words", nullptr,
-      [](void* user, const hgros_message*) {
-        auto& of = *static_cast<Ending*>(user);
-        const hgros_status idle = hgros_session_wait_idle(of.session, -1);
-        hgros_session_end(of.session);
-        of.idle = idle;
-      },
-      &ending, nullptr);
+  std::atomic<hgros_status> idle{-1};
+  const auto end = [&](const hgros_message*) {
+    const hgros_status waited = hgros_session_wait_idle(session.get(), -1);
+    hgros_session_end(session.get());
+    idle = waited;
+  };
+  const auto owned = Subscribe(session, "words", end);
   std::thread sleeping([&] { EXPECT_EQ(hgros_session_sleep_until(session.get(), INT64_MAX), HGROS_CLOSED); });
   EXPECT_EQ(Publish(Publisher(session, "words", text), "end"), HGROS_OK);
   sleeping.join();
-  ASSERT_TRUE(Await([&] { return ending.idle != -1; }));
-  EXPECT_EQ(ending.idle, HGROS_WOULD_DEADLOCK);
+  ASSERT_TRUE(Await([&] { return idle != -1; }));
+  EXPECT_EQ(idle, HGROS_WOULD_DEADLOCK);
 }
 
 TEST_F(CSession, QueueThatIsEndedWakesItsTaker) {
-  const auto queue = test::Queue(session, "words");
+  const auto queue = Queue(session, "words");
   std::thread taking([&] { EXPECT_EQ(Take(queue, -1), "<closed>"); });
-  test::Linger(std::chrono::milliseconds(20));
+  Linger(std::chrono::milliseconds(20));
   hgros_subscription_end(queue.get());
   taking.join();
   pollfd one{hgros_queue_descriptor(queue.get()), POLLIN, 0};
   EXPECT_EQ(poll(&one, 1, 0), 1) << "an event loop must notice the end";
 }
 
-struct SelfClosing {
-  hgros_subscription* subscription = nullptr;
-  std::atomic<int> calls{0};
-  std::atomic<int> released{0};
-};
-
-TEST_F(CSession, SubscriptionMayBeClosedInItsOwnCallback) {
-  const auto publisher = Publisher(session, "words", text);
-  SelfClosing self;
-  ASSERT_EQ(hgros_subscribe(
-                session.get(), "words", nullptr,
-                [](void* user, const hgros_message*) {
-                  auto& of = *static_cast<SelfClosing*>(user);
-                  ++of.calls;
-                  hgros_subscription_close(of.subscription);
-                },
-                &self, [](void* user) { ++static_cast<SelfClosing*>(user)->released; }, &self.subscription),
-            HGROS_OK);
-  EXPECT_EQ(Publish(publisher, "a"), HGROS_OK);
-  ASSERT_TRUE(Await([&] { return self.released == 1; }));
-  EXPECT_EQ(Publish(publisher, "b"), HGROS_OK);
-  EXPECT_EQ(hgros_session_wait_idle(session.get(), -1), HGROS_OK);
-  EXPECT_EQ(self.calls, 1);
-}
-
-TEST_F(CSession, SessionMayBeClosedInItsOwnCallback) {
-  // It stays until the process ends, so what its log uses must stay, too.
-  static LogLines& lines = *new LogLines;
-  static std::atomic<bool> closed{false};
-  const auto own = test::Open(yaml, lines).release();
-  hgros_transforms* transforms = nullptr;
-  ASSERT_EQ(hgros_transforms_open(own, &transforms), HGROS_OK);
-  struct Both {
-    hgros_session* session;
-    hgros_transforms* transforms;
+TEST_F(CSession, CallbackMayPublishButNotWait) {
+  const auto publisher = Publisher(session, "out", text);
+  const auto queue = Queue(session, "out", 1);
+  std::atomic<hgros_status> waited{-1};
+  const auto relay = [&](const hgros_message* message) {
+    EXPECT_EQ(Publish(publisher, TextOf(message)), HGROS_OK);
+    waited = hgros_publish_wait(publisher.get(), "x", 1, -1);
   };
-  static Both both;
-  closed = false;
-  both = {own, transforms};
-  hgros_publisher* publisher = nullptr;
-  ASSERT_EQ(hgros_publisher_open(own, "words", text.get(), nullptr, &publisher), HGROS_OK);
-  hgros_subscription* subscription = nullptr;
-  ASSERT_EQ(hgros_subscribe(
-                own, "words", nullptr,
-                [](void* user, const hgros_message*) {
-                  const Both& of = *static_cast<Both*>(user);
-                  EXPECT_EQ(hgros_transforms_close(of.transforms), HGROS_WOULD_DEADLOCK);
-                  hgros_session_close(of.session);
-                  closed = true;
-                },
-                &both, nullptr, &subscription),
-            HGROS_OK);
-  EXPECT_EQ(hgros_publish(publisher, "go", 2), HGROS_OK);
-  ASSERT_TRUE(Await([&] { return closed.load(); }));
-  EXPECT_TRUE(lines.Contain("callback")) << "the log says which callback closed it";
-  EXPECT_EQ(hgros_publish(publisher, "more", 4), HGROS_CLOSED);
-  hgros_publisher_close(publisher);
-  hgros_subscription_close(subscription);
-  hgros_transform found;
-  EXPECT_EQ(hgros_transforms_lookup(transforms, "a", "b", &found), HGROS_CLOSED);
-  EXPECT_EQ(hgros_transforms_close(transforms), HGROS_OK);
-}
-
-TEST_F(CSession, CallbackMayPublishSubscribeAndCall) {
-  struct Relay {
-    test::PublisherHandle publisher;
-    std::atomic<hgros_status> waited{-1};
-  } relay{Publisher(session, "out", text), -1};
-  const auto queue = test::Queue(session, "out", 1);
-  const auto owned = test::Opened<hgros_subscription_close>(
-      hgros_subscribe, session.get(), "in", nullptr,
-      [](void* user, const hgros_message* message) {
-        auto& to = *static_cast<Relay*>(user);
-        EXPECT_EQ(Publish(to.publisher, test::TextOf(message)), HGROS_OK);
-        to.waited = hgros_publish_wait(to.publisher.get(), "x", 1, -1);
-      },
-      &relay, nullptr);
+  const auto owned = Subscribe(session, "in", relay);
   EXPECT_EQ(Publish(Publisher(session, "in", text), "relayed"), HGROS_OK);
-  ASSERT_TRUE(Await([&] { return relay.waited != -1; }));
-  EXPECT_EQ(relay.waited, HGROS_WOULD_DEADLOCK);
+  ASSERT_TRUE(Await([&] { return waited != -1; }));
+  EXPECT_EQ(waited, HGROS_WOULD_DEADLOCK);
   EXPECT_EQ(Take(queue, 0), "relayed");
 }
 
 TEST_F(CSession, ListsPeersAndChannelsWithTheirUsers) {
   const auto other = OpenOther();
-  const auto queue = test::Queue(session, "words");
+  const auto queue = Queue(session, "words");
   const auto publisher = Publisher(other, "words", text);
   ASSERT_EQ(hgros_session_wait_for_publishers(session.get(), "words", 1, -1), HGROS_OK);
   EXPECT_EQ(hgros_session_wait_for_publishers(session.get(), "words", 2, 0), HGROS_TIMED_OUT);
   hgros_peers* peers = nullptr;
   ASSERT_EQ(hgros_peers_open(session.get(), &peers), HGROS_OK);
-  auto peer = test::Sized<hgros_peer>();
+  auto peer = Sized<hgros_peer>();
   ASSERT_EQ(hgros_peers_count(peers), 1U);
   EXPECT_EQ(hgros_peers_get(peers, 0, &peer), HGROS_OK);
   EXPECT_STREQ(peer.process, "other");
@@ -329,12 +239,12 @@ TEST_F(CSession, ListsPeersAndChannelsWithTheirUsers) {
     hgros_channels* channels = nullptr;
     EXPECT_EQ(hgros_channels_open(session.get(), &channels), HGROS_OK);
     for (std::size_t i = 0; i < hgros_channels_count(channels); ++i) {
-      auto one = test::Sized<hgros_channel>();
+      auto one = Sized<hgros_channel>();
       EXPECT_EQ(hgros_channels_get(channels, i, &one), HGROS_OK);
       if (one.name != std::string("words") || one.publishers == 0) continue;
       EXPECT_STREQ(one.type_name, "text");
       EXPECT_EQ(one.encoding, HGROS_ENCODING_CUSTOM);
-      auto user = test::Sized<hgros_channel_user>();
+      auto user = Sized<hgros_channel_user>();
       EXPECT_EQ(hgros_channels_get_user(channels, i, HGROS_ROLE_PUBLISHER, 0, &user), HGROS_OK);
       publishers = user.process;
       EXPECT_EQ(hgros_channels_get_user(channels, i, HGROS_ROLE_PUBLISHER, 5, &user), HGROS_NOT_FOUND);
@@ -347,4 +257,4 @@ TEST_F(CSession, ListsPeersAndChannelsWithTheirUsers) {
 }
 
 }  // namespace
-}  // namespace hgros
+}  // namespace hgros::test
