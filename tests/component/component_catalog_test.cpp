@@ -1,15 +1,14 @@
 #include "hgros/component/component_catalog.hpp"
 
 #include <gmock/gmock.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "hgros/base/error.hpp"
 #include "support/path.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::test {
 namespace {
@@ -26,19 +25,14 @@ using testing::ThrowsMessage;
 class ComponentCatalogTest : public testing::Test {
  protected:
   ComponentCatalogTest() {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_catalog_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    std::filesystem::create_directories(folder_ / "first");
-    std::filesystem::create_directories(folder_ / "second");
+    for (const char* folder : {"first", "second"}) std::filesystem::create_directory(folder_ / folder);
   }
-  ~ComponentCatalogTest() override { std::filesystem::remove_all(folder_); }
-
-  void Write(const std::string& file, const std::string& text) const { std::ofstream(folder_ / file) << text; }
+  void Write(const std::string& file, const std::string& text) const { folder_.Write(file, text); }
   [[nodiscard]] ComponentCatalog Catalog() const {
     return ComponentCatalog({folder_ / "first", folder_ / "second", folder_ / "missing"});
   }
 
-  path folder_;
+  const ScratchFolder folder_;
 };
 
 TEST_F(ComponentCatalogTest, HasWhatTheManifestsDescribe) {
@@ -63,15 +57,11 @@ TEST_F(ComponentCatalogTest, FindsClassesOfPythonInTheLibraryOfThatLanguage) {
   EXPECT_THAT([&] { (void)Catalog().Find("robot/Arm"); }, ThrowsMessage<Error>(HasSubstr("no component type")));
 }
 
-TEST_F(ComponentCatalogTest, PrefersEarlierFolders) {
+TEST_F(ComponentCatalogTest, PrefersEarlierFoldersAndNamesTheNearestTypeOrWhereItLooked) {
   Write("first/words.yaml", "library: /new/libwords.so\ncomponents: [words/Source]\n");
   Write("second/words.yaml", "library: /old/libwords.so\ncomponents: [words/Source]\n");
-  EXPECT_EQ(Catalog().Find("words/Source").file, "/new/libwords.so");
-}
-
-TEST_F(ComponentCatalogTest, NamesTheNearestTypeOrWhereItLooked) {
-  Write("first/words.yaml", "library: /new/libwords.so\ncomponents: [words/Source]\n");
   const ComponentCatalog catalog = Catalog();
+  EXPECT_EQ(catalog.Find("words/Source").file, "/new/libwords.so");
   EXPECT_THAT([&] { (void)catalog.Find("words/Sorce"); },
               ThrowsMessage<Error>(HasSubstr("Did you mean \"words/Source\"?")));
   EXPECT_THAT(
@@ -105,7 +95,7 @@ TEST_F(ComponentCatalogTest, IgnoresWhatIsNoFile) {
 }
 
 TEST_F(ComponentCatalogTest, LoadsALibraryAndSaysIfItIsAnother) {
-  Write("first/good.yaml", "library: " + test::Path("library") + "\ncomponents: [library/Source, library/Gone]\n");
+  Write("first/good.yaml", "library: " + Path("library") + "\ncomponents: [library/Source, library/Gone]\n");
   Write("first/missing.yaml", "library: libmissing.so\ncomponents: [words/Source]\n");
   const ComponentCatalog catalog = Catalog();
   EXPECT_EQ(catalog.Load("library/Source").name, "library/Source");

@@ -2,22 +2,13 @@
 
 #include <gmock/gmock.h>
 
-#include <atomic>
-#include <chrono>
-#include <mutex>
-#include <numeric>
-#include <random>
 #include <stdexcept>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include <foxglove/PoseInFrame.pb.h>
 
+#include "component/components_fixture.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/component/component.hpp"
-#include "session/domain_fixture.hpp"
-#include "support/await.hpp"
 
 namespace hgros::test {
 namespace {
@@ -25,15 +16,8 @@ namespace {
 using foxglove::PoseInFrame;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::ThrowsMessage;
 using testing::UnorderedElementsAreArray;
-
-PoseInFrame Numbered(int number) {
-  PoseInFrame pose;
-  pose.set_frame_id(std::to_string(number));
-  return pose;
-}
 
 // Adds up the numbers that it gets, publishes them again, and serves the sum.
 class Adder {
@@ -59,15 +43,12 @@ class Adder {
 
   static constexpr int kUnsaved = 1'000'000'001;
   static constexpr int kUnrestored = 1'000'000'002;
-  static constexpr int kThrows = -1;
   std::atomic<bool> active = false;
   std::atomic<int> ticks = 0;
 
  private:
   void Take(const PoseInFrame& pose) {
-    const int number = std::stoi(pose.frame_id());
-    if (number == kThrows) throw std::runtime_error("no such number");
-    sum_ += number;
+    sum_ += std::stoi(pose.frame_id());
     (void)passed_(std::make_unique<PoseInFrame>(pose));
     (void)latest_(std::make_unique<PoseInFrame>(Numbered(sum_)));
   }
@@ -100,29 +81,8 @@ struct Place {
   Components components;
 };
 
-class ComponentMoveTest : public DomainFixture {
+class ComponentMoveTest : public NumbersFixture {
  protected:
-  ComponentMoveTest()
-      : number_(outside_.Advertise<PoseInFrame>("number")),
-        passed_(outside_.FromAny<PoseInFrame>("passed", Invoke::kSerial,
-                                              [this](const PoseInFrame& pose) {
-                                                const int number = std::stoi(pose.frame_id());
-                                                const std::scoped_lock lock(mutex_);
-                                                if (number != kNothing) seen_.push_back(number);
-                                              },
-                                              {.queue = Queue::KeepAll(100'000)})) {}
-
-  static constexpr int kNothing = 0;  // Not seen.
-  void Publish(int number) {
-    while (number_(Numbered(number)) == PublishStatus::kFull) Linger(std::chrono::milliseconds(1));
-  }
-  [[nodiscard]] std::vector<int> seen() const {
-    const std::scoped_lock lock(mutex_);
-    return seen_;
-  }
-  [[nodiscard]] bool SeesAny() {
-    return Await([&] { return !seen().empty(); });
-  }
   [[nodiscard]] bool SeesUpTo(int number) {
     return Await([&] { return !seen().empty() && seen().back() == number; });
   }
@@ -142,9 +102,7 @@ class ComponentMoveTest : public DomainFixture {
     ArrivingComponent arriving(to.components, AdderSetup(), [] {});
     LeavingComponent leaving(from.components, "adder", [] {});
     ASSERT_TRUE(to.session.WaitForSubscribers("passed", 1, kPatience));
-    arriving.Restore(leaving.Hold(kPatience, to.session.id()));
-    arriving.Begin();
-    leaving.Leave();
+    Cross(leaving, arriving, leaving.Hold(kPatience, to.session.id()));
     (void)Await(
         [&] {
           Exchange(leaving, arriving);
@@ -153,62 +111,30 @@ class ComponentMoveTest : public DomainFixture {
         most);
     Exchange(leaving, arriving);
   }
+  static void Cross(LeavingComponent& leaving, ArrivingComponent& arriving, const MovingState& state) {
+    arriving.Restore(state);
+    arriving.Begin();
+    leaving.Leave();
+  }
   static void Exchange(LeavingComponent& leaving, ArrivingComponent& arriving) {
     arriving.Work();
     while (const auto message = leaving.Next()) arriving.Hand(*message);
     for (const InputPosition& position : arriving.FirstOwn()) leaving.Passed(position);
   }
-
-  mutable std::mutex mutex_;
-  std::vector<int> seen_;
-  Session outside_{Config::Parse("discovery: {lan: false}"), {.name = "outside"}};
-  Publisher<PoseInFrame> number_;
-  Subscription passed_;
 };
 
-std::vector<int> UpTo(int last) {
-  std::vector<int> numbers(static_cast<std::size_t>(last));
-  std::iota(numbers.begin(), numbers.end(), 1);
-  return numbers;
-}
-
-TEST_F(ComponentMoveTest, NothingIsLostDoubledOrOvertakenWhileMessagesFlow) {
-  constexpr int kLast = 20'000;
+class AdderMoveTest : public ComponentMoveTest {
+ protected:
+  void SetUp() override {
+    one.Start();
+    ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+  }
   Place one;
   Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
-  std::atomic<bool> moves = true;
-  std::thread publisher([&] {
-    std::mt19937 random(7);
-    for (int number = 1; number <= kLast; ++number) {
-      Publish(number);
-      if (random() % 64 == 0) Linger(std::chrono::microseconds(random() % 3000));
-    }
-    while (moves) {  // A move ends with the first message over the new link of each publisher.
-      Publish(kNothing);
-      Linger(std::chrono::milliseconds(1));
-    }
-  });
-  EXPECT_TRUE(SeesAny());
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  for (bool back = false; seen().size() < kLast && !HasFailure() && std::chrono::steady_clock::now() < end;
-       back = !back) {
-    back ? Move(other, one, kPatience) : Move(one, other, kPatience);
-  }
-  moves = false;
-  publisher.join();
-  (void)SeesUpTo(kLast);
-  EXPECT_EQ(seen(), UpTo(kLast));
-  EXPECT_EQ(SumOf(outside_), std::to_string(kLast * (kLast + 1) / 2));
-}
+};
 
 // Otherwise an old place that is behind never ends under load: messages come as fast as it hands them over.
-TEST_F(ComponentMoveTest, TheOldPlaceHandsOverNothingThatTheNewOneHasItself) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+TEST_F(AdderMoveTest, TheOldPlaceHandsOverNothingThatTheNewOneHasItself) {
   Publish(1);
   ASSERT_TRUE(SeesUpTo(1));
   std::atomic<int> waiting = 0;
@@ -219,9 +145,7 @@ TEST_F(ComponentMoveTest, TheOldPlaceHandsOverNothingThatTheNewOneHasItself) {
   ArrivingComponent arriving(other.components, AdderSetup(), [] {});
   ASSERT_TRUE(outside_.WaitForSubscribers("number", 2, kPatience));
   ASSERT_TRUE(other.session.WaitForSubscribers("passed", 1, kPatience));
-  arriving.Restore(moving);
-  arriving.Begin();
-  leaving.Leave();
+  Cross(leaving, arriving, moving);
   std::vector<InputPosition> own;
   int number = 10;
   ASSERT_TRUE(Await([&] {  // The first ones may come over a link that is not there yet.
@@ -249,11 +173,7 @@ TEST_F(ComponentMoveTest, TheOldPlaceHandsOverNothingThatTheNewOneHasItself) {
 }
 
 // As if a thread that brings a message were held up until a later one was handled.
-TEST_F(ComponentMoveTest, HandlesWhatWasOvertakenInTheOldPlaceOnce) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+TEST_F(AdderMoveTest, HandlesWhatWasOvertakenInTheOldPlaceOnce) {
   for (int number = 1; number <= 5; ++number) Publish(number);
   ASSERT_TRUE(SeesUpTo(5));
   std::atomic<int> waiting = 0;
@@ -261,9 +181,7 @@ TEST_F(ComponentMoveTest, HandlesWhatWasOvertakenInTheOldPlaceOnce) {
   ArrivingComponent arriving(other.components, AdderSetup(), [] {});
   ASSERT_TRUE(outside_.WaitForSubscribers("number", 2, kPatience));
   ASSERT_TRUE(other.session.WaitForSubscribers("passed", 1, kPatience));
-  arriving.Restore(leaving.Hold(std::chrono::seconds(1)));
-  arriving.Begin();
-  leaving.Leave();
+  Cross(leaving, arriving, leaving.Hold(std::chrono::seconds(1)));
   for (int number = 6; number <= 9; ++number) Publish(number);
   ASSERT_TRUE(Await([&] { return waiting == 4; }));
   std::vector<MovingMessage> handed;
@@ -284,11 +202,8 @@ TEST_F(ComponentMoveTest, HandlesWhatWasOvertakenInTheOldPlaceOnce) {
   EXPECT_EQ(SumOf(outside_), "45");
 }
 
-TEST_F(ComponentMoveTest, AnArrivingComponentHoldsUpNoOther) {
+TEST_F(AdderMoveTest, AnArrivingComponentHoldsUpNoOther) {
   constexpr int kMany = 3000;  // More than wait in it.
-  Place one;
-  Place other;
-  one.Start();
   std::atomic<int> pings = 0;
   std::vector<Subscription> others;  // As many as threads, and more.
   for (unsigned i = 0; i <= std::thread::hardware_concurrency(); ++i) {
@@ -304,9 +219,7 @@ TEST_F(ComponentMoveTest, AnArrivingComponentHoldsUpNoOther) {
   EXPECT_EQ(ping(Numbered(1)), PublishStatus::kOk);
   EXPECT_TRUE(Await([&] { return pings == static_cast<int>(others.size()); }));
   LeavingComponent leaving(one.components, "adder", [] {});
-  arriving.Restore(leaving.Hold(kPatience));
-  arriving.Begin();
-  leaving.Leave();
+  Cross(leaving, arriving, leaving.Hold(kPatience));
   Publish(kMany + 1);
   EXPECT_TRUE(Await([&] {
     Exchange(leaving, arriving);
@@ -339,11 +252,7 @@ TEST_F(ComponentMoveTest, AComponentThatIsHeldHoldsUpNoOther) {
 }
 
 // It may be the same component in another place.
-TEST_F(ComponentMoveTest, ANewPublisherOvertakesNothingThatWaitsInTheOldPlace) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+TEST_F(AdderMoveTest, ANewPublisherOvertakesNothingThatWaitsInTheOldPlace) {
   LeavingComponent leaving(one.components, "adder", [] {});
   const MovingState moving = leaving.Hold(kPatience, other.session.id());
   for (int number = 1; number <= 3; ++number) Publish(number);
@@ -355,9 +264,7 @@ TEST_F(ComponentMoveTest, ANewPublisherOvertakesNothingThatWaitsInTheOldPlace) {
   ASSERT_TRUE(elsewhere.WaitForSubscribers("number", 2, kPatience));
   ASSERT_EQ(moved(Numbered(4)), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return arrived == 1; }));
-  arriving.Restore(moving);
-  arriving.Begin();
-  leaving.Leave();
+  Cross(leaving, arriving, moving);
   ASSERT_TRUE(Await([&] {
     Exchange(leaving, arriving);
     return seen().size() == 4;
@@ -388,11 +295,7 @@ TEST_F(ComponentMoveTest, TellsWhetherMoreIsToBeHandedOver) {
   EXPECT_EQ(handed, UpTo(kMany));
 }
 
-TEST_F(ComponentMoveTest, TakesItsStateServicesAndTimersWithIt) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+TEST_F(AdderMoveTest, TakesItsStateServicesAndTimersWithIt) {
   for (int number = 1; number <= 4; ++number) Publish(number);
   ASSERT_TRUE(SeesUpTo(4));
   EXPECT_EQ(SumOf(outside_), "10");
@@ -431,12 +334,8 @@ struct Watcher {
   Subscription latest;
 };
 
-TEST_F(ComponentMoveTest, WhatItHasLatchedMovesAlong) {
-  Place one;
-  Place other;
+TEST_F(AdderMoveTest, WhatItHasLatchedMovesAlong) {
   Watcher early(outside_);
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
   ASSERT_TRUE(one.session.WaitForSubscribers("latest", 1, kPatience));
   for (const int number : {1, 2}) Publish(number);
   ASSERT_TRUE(early.Sees({1, 3}));
@@ -463,11 +362,7 @@ TEST_F(ComponentMoveTest, WhatItHasLatchedMovesAlong) {
   EXPECT_TRUE(early.Sees({1, 3, 6, 10}));
 }
 
-TEST_F(ComponentMoveTest, WhoHasHeardThePlaceBeforeGetsWhatItHasLatchedSince) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+TEST_F(AdderMoveTest, WhoHasHeardThePlaceBeforeGetsWhatItHasLatchedSince) {
   Session listener(Config::Parse("discovery: {lan: false}"));
   const auto hears = [&](const std::vector<int>& wanted) { return Watcher(listener).Sees(wanted); };
   Publish(1);
@@ -480,30 +375,7 @@ TEST_F(ComponentMoveTest, WhoHasHeardThePlaceBeforeGetsWhatItHasLatchedSince) {
   EXPECT_TRUE(hears({3}));
 }
 
-TEST_F(ComponentMoveTest, WhatItHasLatchedStaysIfTheMoveIsAbandoned) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
-  Publish(7);
-  ASSERT_TRUE(SeesUpTo(7));
-  {
-    ArrivingComponent arriving(other.components, AdderSetup(), [] {});
-    LeavingComponent leaving(one.components, "adder", [] {});
-    arriving.Restore(leaving.Hold(kPatience, other.session.id()));
-  }
-  Watcher late(outside_);
-  EXPECT_TRUE(late.Sees({7}));
-  ASSERT_TRUE(one.session.WaitForSubscribers("latest", 1, kPatience));
-  Publish(1);
-  EXPECT_TRUE(late.Sees({7, 8}));
-}
-
-TEST_F(ComponentMoveTest, AnAbandonedMoveHandlesWhatHasWaited) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
+TEST_F(AdderMoveTest, AnAbandonedMoveHandlesWhatHasWaitedAndKeepsWhatItHasLatched) {
   Publish(1);
   ASSERT_TRUE(SeesUpTo(1));
   {
@@ -526,18 +398,24 @@ TEST_F(ComponentMoveTest, AnAbandonedMoveHandlesWhatHasWaited) {
   EXPECT_TRUE(SeesUpTo(4));
   EXPECT_THAT(seen(), ElementsAre(1, 2, 3, 4));
   EXPECT_EQ(SumOf(outside_), "10");
+  {
+    ArrivingComponent arriving(other.components, AdderSetup(), [] {});
+    LeavingComponent leaving(one.components, "adder", [] {});
+    arriving.Restore(leaving.Hold(kPatience, other.session.id()));
+  }
+  Watcher late(outside_);
+  EXPECT_TRUE(late.Sees({10}));
+  ASSERT_TRUE(one.session.WaitForSubscribers("latest", 1, kPatience));
+  Publish(1);
+  EXPECT_TRUE(late.Sees({10, 11}));
 }
 
-TEST_F(ComponentMoveTest, WhatCannotBeSavedOrRestoredStays) {
-  Place one;
-  Place other;
-  one.Start();
+TEST_F(AdderMoveTest, WhatCannotBeSavedOrRestoredStays) {
   one.components.Add({.name = "unsaved", .type = "test/Unsaved"});
   EXPECT_THAT([&] { const LeavingComponent leaving(one.components, "unsaved", [] {}); },
               ThrowsMessage<Error>(HasSubstr("Give it Save() and Restore().")));
   EXPECT_THAT([&] { const LeavingComponent leaving(one.components, "nobody", [] {}); },
               ThrowsMessage<Error>(HasSubstr("no component named \"nobody\"")));
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
   Publish(Adder::kUnsaved);
   ASSERT_TRUE(SeesUpTo(Adder::kUnsaved));
   EXPECT_THROW(Move(one, other), std::runtime_error);
@@ -546,29 +424,6 @@ TEST_F(ComponentMoveTest, WhatCannotBeSavedOrRestoredStays) {
   EXPECT_THROW(Move(one, other), std::runtime_error) << "Restore throws.";
   EXPECT_EQ(other.adder(), nullptr);
   EXPECT_EQ(SumOf(outside_), std::to_string(Adder::kUnrestored));
-}
-
-TEST_F(ComponentMoveTest, AnExceptionInTheNewPlaceIsCounted) {
-  Place one;
-  Place other;
-  one.Start();
-  ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
-  {
-    ArrivingComponent arriving(other.components, AdderSetup(), [] {});
-    std::atomic<bool> waits = false;
-    LeavingComponent leaving(one.components, "adder", [&] { waits = true; });
-    const MovingState moving = leaving.Hold(kPatience);
-    Publish(Adder::kThrows);
-    ASSERT_TRUE(Await([&] { return waits.load(); }));
-    arriving.Restore(moving);
-    arriving.Begin();
-    leaving.Leave();
-    ASSERT_TRUE(Await([&] {
-      Exchange(leaving, arriving);
-      return other.components.statuses().front().exceptions == 1;
-    }));
-  }
-  EXPECT_EQ(other.components.statuses().front().exceptions, 1U);
 }
 
 }  // namespace

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <memory>
-#include <mutex>
-#include <string>
-#include <utility>
-#include <vector>
+#include <numeric>
+
+#include <foxglove/PoseInFrame.pb.h>
 
 #include "hgros/component/components.hpp"
-#include "hgros/session/session.hpp"
+#include "session/domain_fixture.hpp"
 
 namespace hgros::test {
 
@@ -58,6 +56,46 @@ class Process {
  public:
   Session session;
   std::unique_ptr<Components> components;
+};
+
+inline foxglove::PoseInFrame Numbered(std::int64_t number) {
+  foxglove::PoseInFrame pose;
+  pose.set_frame_id(std::to_string(number));
+  return pose;
+}
+
+inline std::vector<int> UpTo(int last) {
+  std::vector<int> numbers(static_cast<std::size_t>(last));
+  std::iota(numbers.begin(), numbers.end(), 1);
+  return numbers;
+}
+
+/// A session outside that publishes numbers, and sees those that components pass on.
+class NumbersFixture : public DomainFixture {
+ protected:
+  static void Publish(const Publisher<foxglove::PoseInFrame>& to, int number) {
+    while (to(Numbered(number)) == PublishStatus::kFull) Linger(std::chrono::milliseconds(1));
+  }
+  void Publish(int number) const { Publish(number_, number); }
+  [[nodiscard]] std::vector<int> seen() const {
+    const std::scoped_lock lock(mutex_);
+    return seen_;
+  }
+  [[nodiscard]] std::size_t seen_count() const {
+    const std::scoped_lock lock(mutex_);
+    return seen_.size();
+  }
+
+  mutable std::mutex mutex_;
+  std::vector<int> seen_;
+  Session outside_{Config::Parse("discovery: {lan: false}"), {.name = "outside"}};
+  const Publisher<foxglove::PoseInFrame> number_ = outside_.Advertise<foxglove::PoseInFrame>("number");
+  const Subscription passed_ = outside_.FromAny<foxglove::PoseInFrame>("passed", Invoke::kSerial,
+                                                                       [this](const foxglove::PoseInFrame& pose) {
+                                                                         const std::scoped_lock lock(mutex_);
+                                                                         seen_.push_back(std::stoi(pose.frame_id()));
+                                                                       },
+                                                                       {.queue = Queue::KeepAll(100'000)});
 };
 
 }  // namespace hgros::test

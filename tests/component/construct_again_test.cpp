@@ -1,27 +1,17 @@
 // A component that runs is constructed again in its place.
 #include <gmock/gmock.h>
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <mutex>
-#include <numeric>
 #include <random>
 #include <stdexcept>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include <foxglove/PoseInFrame.pb.h>
 
+#include "component/components_fixture.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/component/component.hpp"
 #include "hgros/component/component_error.hpp"
 #include "hgros/component/components.hpp"
-#include "session/domain_fixture.hpp"
-#include "support/await.hpp"
 
 namespace hgros::test {
 namespace {
@@ -30,18 +20,6 @@ using foxglove::PoseInFrame;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-PoseInFrame PoseOf(std::int64_t number) {
-  PoseInFrame pose;
-  pose.set_frame_id(std::to_string(number));
-  return pose;
-}
-
-std::vector<int> NumbersTo(int last) {
-  std::vector<int> numbers(static_cast<std::size_t>(last));
-  std::iota(numbers.begin(), numbers.end(), 1);
-  return numbers;
-}
 
 std::atomic<int> instances = 0;
 
@@ -59,7 +37,7 @@ class Summing {
     if (context.Declare("beside", true)) {
       context.FromAny<PoseInFrame>("beside", Invoke::kSerial, [this](const PoseInFrame&) { ++besides; });
     }
-    context.Serve<PoseInFrame, PoseInFrame>("sum", [this](const PoseInFrame&) { return PoseOf(sum_); });
+    context.Serve<PoseInFrame, PoseInFrame>("sum", [this](const PoseInFrame&) { return Numbered(sum_); });
     context.CreateTimer("tick", std::chrono::milliseconds(1), [this](const Tick&) { ++ticks; });
     ++instances;
   }
@@ -71,7 +49,7 @@ class Summing {
   void Deactivate() {
     if (set_at_end_ > 0) (void)context_.params().Set("step", set_at_end_);
   }
-  [[nodiscard]] PoseInFrame Save() const { return PoseOf(sum_); }
+  [[nodiscard]] PoseInFrame Save() const { return Numbered(sum_); }
   void Restore(const PoseInFrame& state) { sum_ = std::stoll(state.frame_id()); }
 
   static constexpr int kHang = -1;
@@ -118,18 +96,9 @@ ComponentSetup SummingSetup(std::vector<ParamOverride> params = {}) {
   return setup;
 }
 
-class ConstructAgainTest : public DomainFixture {
+class ConstructAgainTest : public NumbersFixture {
  protected:
-  ConstructAgainTest()
-      : number_(outside_.Advertise<PoseInFrame>("number")),
-        beside_(outside_.Advertise<PoseInFrame>("beside")),
-        more_(outside_.Advertise<PoseInFrame>("more")),
-        passed_(outside_.FromAny<PoseInFrame>("passed", Invoke::kSerial,
-                                              [this](const PoseInFrame& pose) {
-                                                const std::scoped_lock lock(mutex_);
-                                                seen_.push_back(std::stoi(pose.frame_id()));
-                                              },
-                                              {.queue = Queue::KeepAll(100'000)})) {
+  ConstructAgainTest() {
     components_.Add(SummingSetup());
     components_.Add({.name = "unsaved", .type = "test/UnsavedAgain"});
     components_.Join();
@@ -138,17 +107,6 @@ class ConstructAgainTest : public DomainFixture {
   void SetUp() override {
     ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
     ASSERT_TRUE(session_.WaitForSubscribers("passed", 1, kPatience));
-  }
-  static void Publish(const Publisher<PoseInFrame>& to, int number) {
-    while (to(PoseOf(number)) == PublishStatus::kFull) Linger(std::chrono::milliseconds(1));
-  }
-  [[nodiscard]] std::vector<int> seen() const {
-    const std::scoped_lock lock(mutex_);
-    return seen_;
-  }
-  [[nodiscard]] std::size_t seen_count() const {
-    const std::scoped_lock lock(mutex_);
-    return seen_.size();
   }
   void Again(const std::vector<ParamOverride>& params = {}, std::chrono::nanoseconds patience = kCallbacks) {
     components_.ConstructAgain("summing", patience, [&] { return SummingSetup(params); });
@@ -166,9 +124,6 @@ class ConstructAgainTest : public DomainFixture {
     }
   }
 
-  mutable std::mutex mutex_;
-  std::vector<int> seen_;
-  Session outside_{Config::Parse("discovery: {lan: false}"), {.name = "outside"}};
   Session session_{Config::Parse("discovery: {lan: false}"), {.name = "place"}};
   std::vector<std::string> changes_;  // Of parameters.
   Components components_{
@@ -178,10 +133,8 @@ class ConstructAgainTest : public DomainFixture {
           changes_.push_back(std::string(component) + " " + path.ToString() + " " + event.after.At(path).ToYaml());
         }
       }}};
-  Publisher<PoseInFrame> number_;
-  Publisher<PoseInFrame> beside_;
-  Publisher<PoseInFrame> more_;
-  Subscription passed_;
+  const Publisher<PoseInFrame> beside_ = outside_.Advertise<PoseInFrame>("beside");
+  const Publisher<PoseInFrame> more_ = outside_.Advertise<PoseInFrame>("more");
 };
 
 class ConstructAgainFlow : public ConstructAgainTest, public testing::WithParamInterface<bool> {};
@@ -224,7 +177,7 @@ TEST_P(ConstructAgainFlow, NothingIsLostDoubledOrOvertaken) {
   enough = true;
   publisher.join();
   (void)Sees(static_cast<std::size_t>(last));
-  EXPECT_EQ(seen(), NumbersTo(last));
+  EXPECT_EQ(seen(), UpTo(last));
   EXPECT_EQ(Sum(), std::to_string(std::int64_t{last} * (last + 1) / 2));
   EXPECT_TRUE(Await([&] { return summing().ticks > 3; }));
 }
@@ -247,11 +200,11 @@ TEST_F(ConstructAgainTest, APublisherThatIsFasterThanItsCallbackDoesNotKeepItWai
   EXPECT_LT(seen().size(), static_cast<std::size_t>(last)) << "The publisher has not been faster.";
   Again();
   EXPECT_TRUE(Sees(static_cast<std::size_t>(last)));
-  EXPECT_EQ(seen(), NumbersTo(last));
+  EXPECT_EQ(seen(), UpTo(last));
 }
 
 TEST_F(ConstructAgainTest, CallsAreAnsweredBeforeAndAfterwards) {
-  Publish(number_, 4);
+  Publish(4);
   ASSERT_TRUE(Sees(1));
   std::atomic<bool> ends = false;
   std::atomic<int> answers = 0;
@@ -274,33 +227,33 @@ TEST_F(ConstructAgainTest, CallsAreAnsweredBeforeAndAfterwards) {
 // The next instance may subscribe otherwise, because its parameters have changed.
 TEST_F(ConstructAgainTest, InputsThatTheNextInstanceDoesNotWantEnd) {
   ASSERT_TRUE(outside_.WaitForSubscribers("beside", 1, kPatience));
-  Publish(number_, 1);
+  Publish(1);
   Publish(beside_, 1);
   ASSERT_TRUE(Await([&] { return summing().besides == 1; }));
   ASSERT_TRUE(Sees(1));
   Again({{"beside", "false", "test"}, {"depth", "50", "test"}});
   EXPECT_TRUE(Await([&] { return !outside_.WaitForSubscribers("beside", 1, std::chrono::nanoseconds(0)); }));
   ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
-  Publish(number_, 2);
+  Publish(2);
   EXPECT_TRUE(Sees(2)) << "Subscribed with another queue.";
   Again();
   ASSERT_TRUE(outside_.WaitForSubscribers("beside", 1, kPatience));
   Publish(beside_, 1);
   EXPECT_TRUE(Await([&] { return summing().besides == 1; }));
-  Publish(number_, 3);
+  Publish(3);
   EXPECT_TRUE(Sees(3));
   EXPECT_THAT(seen(), ElementsAre(1, 2, 3));
   EXPECT_EQ(Sum(), "6");
 }
 
 TEST_F(ConstructAgainTest, ASubscriptionOfACallbackEndsWithItsObject) {
-  Publish(number_, Summing::kHearMore);
+  Publish(Summing::kHearMore);
   ASSERT_TRUE(outside_.WaitForSubscribers("more", 1, kPatience));
   Publish(more_, 1);
   ASSERT_TRUE(Await([&] { return summing().more == 1; }));
   Again();
   EXPECT_TRUE(Await([&] { return !outside_.WaitForSubscribers("more", 1, std::chrono::nanoseconds(0)); }));
-  Publish(number_, Summing::kHearMore);
+  Publish(Summing::kHearMore);
   ASSERT_TRUE(outside_.WaitForSubscribers("more", 1, kPatience));
   Publish(more_, 1);
   EXPECT_TRUE(Await([&] { return summing().more == 1; }));
@@ -323,19 +276,19 @@ TEST_F(ConstructAgainTest, WhatCannotBeSavedRunsOn) {
   EXPECT_THAT([&] { components_.ConstructAgain("unsaved", kCallbacks, [] { return ComponentSetup(); }); },
               ThrowsMessage<Error>(HasSubstr("Give it Save() and Restore()")));
   EXPECT_THROW(components_.ConstructAgain("nobody", kCallbacks, [] { return ComponentSetup(); }), Error);
-  Publish(number_, Summing::kHang);
+  Publish(Summing::kHang);
   ASSERT_TRUE(Await([&] { return summing().hangs.load(); }));
   const Summing* const before = &summing();
   EXPECT_THAT([&] { Again({}, std::chrono::milliseconds(20)); },
               ThrowsMessage<Error>(HasSubstr("a callback of it has not returned")));
   EXPECT_EQ(&summing(), before);
   summing().door.Open();
-  Publish(number_, 1);
+  Publish(1);
   EXPECT_TRUE(Sees(1));
 }
 
 TEST_F(ConstructAgainTest, NothingIsLeftOfOneThatCannotBeConstructed) {
-  Publish(number_, 1);
+  Publish(1);
   ASSERT_TRUE(Sees(1));
   EXPECT_THAT(
       [&] {
@@ -349,7 +302,7 @@ TEST_F(ConstructAgainTest, NothingIsLeftOfOneThatCannotBeConstructed) {
   components_.Join();
   components_.Start();
   ASSERT_TRUE(outside_.WaitForSubscribers("number", 1, kPatience));
-  Publish(number_, 2);
+  Publish(2);
   EXPECT_TRUE(Sees(2));
 }
 

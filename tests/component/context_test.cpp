@@ -2,12 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <atomic>
-#include <chrono>
-#include <memory>
-#include <optional>
 #include <stdexcept>
-#include <string>
 
 #include <foxglove/PoseInFrame.pb.h>
 #include <foxglove/Vector3.pb.h>
@@ -20,7 +15,6 @@
 #include "hgros/params/remote_params.hpp"
 #include "hgros/session/clock_publisher.hpp"
 #include "hgros/tf/transforms.hpp"
-#include "support/await.hpp"
 
 namespace hgros::test {
 namespace {
@@ -28,7 +22,6 @@ namespace {
 using foxglove::PoseInFrame;
 using namespace std::chrono_literals;
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 // One of each thing that a context gives.
 class Everything {

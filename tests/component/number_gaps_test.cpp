@@ -14,7 +14,7 @@ namespace {
 
 using testing::ElementsAre;
 
-std::vector<std::uint64_t> UpTo(std::uint64_t last, const NumberGaps& gaps) {
+std::vector<std::uint64_t> Missing(std::uint64_t last, const NumberGaps& gaps) {
   std::vector<std::uint64_t> found;
   for (std::uint64_t number = 0; number <= last; ++number) {
     if (gaps.Has(number)) found.push_back(number);
@@ -29,13 +29,13 @@ TEST(NumberGaps, KnowWhatIsMissing) {
   gaps.Note(5, 6);
   EXPECT_TRUE(gaps.empty());
   gaps.Note(6, 10);
-  EXPECT_THAT(UpTo(20, gaps), ElementsAre(7, 8, 9));
+  EXPECT_THAT(Missing(20, gaps), ElementsAre(7, 8, 9));
   gaps.Note(10, 8);
-  EXPECT_THAT(UpTo(20, gaps), ElementsAre(7, 9));
+  EXPECT_THAT(Missing(20, gaps), ElementsAre(7, 9));
   gaps.Note(10, 10);
   gaps.Note(10, 3);
   gaps.Note(10, 7);
-  EXPECT_THAT(UpTo(20, gaps), ElementsAre(9));
+  EXPECT_THAT(Missing(20, gaps), ElementsAre(9));
   gaps.Note(10, 9);
   EXPECT_TRUE(gaps.empty());
   gaps.Note(10, 12);
@@ -50,7 +50,7 @@ TEST(NumberGaps, ForgetTheOldestFirst) {
     gaps.Note(last, last + 2);
     last += 2;
   }
-  const std::vector<std::uint64_t> known = UpTo(last, gaps);
+  const std::vector<std::uint64_t> known = Missing(last, gaps);
   ASSERT_EQ(known.size(), 64U);
   EXPECT_EQ(known.back(), last - 1);
   EXPECT_EQ(known.front(), last - 127);
@@ -70,7 +70,7 @@ TEST(NumberGaps, AreThoseOfASet) {
       for (std::uint64_t between = last + 1; between < number; ++between) missing.insert(between);
       missing.erase(number);
       last = std::max(last, number);
-      ASSERT_EQ(UpTo(last + 1, gaps), std::vector<std::uint64_t>(missing.begin(), missing.end()));
+      ASSERT_EQ(Missing(last + 1, gaps), std::vector<std::uint64_t>(missing.begin(), missing.end()));
     }
   }
 }

@@ -1,9 +1,5 @@
 // Transforms in the places that a component leaves and that it comes to.
-#include <gtest/gtest.h>
-
 #include <cstdint>
-#include <memory>
-#include <string>
 
 #include <foxglove/PoseInFrame.pb.h>
 
@@ -11,6 +7,7 @@
 #include "hgros/component/component_move.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "session/domain_fixture.hpp"
+#include "tf/static_messages.hpp"
 
 namespace hgros::test::transforms_move_test {
 namespace {
@@ -45,21 +42,24 @@ HGROS_COMPONENT(Looker, "test/Looker")
 ComponentSetup WalkerSetup() { return {.name = "walker", .type = "test/Walker"}; }
 
 struct Place : Robot {
-  explicit Place(const std::string& name) : Robot("discovery: {lan: false}", name), components(*session) {
-    components.Add({.name = "looker", .type = "test/Looker"});
+  explicit Place(const std::string& name) : Robot("discovery: {lan: false}", name), components(*session) {}
+  void Run(const ComponentSetup& setup) {
+    components.Add(setup);
     components.Join();
     components.Start();
   }
-  [[nodiscard]] Transforms& transforms() { return components.Find<Looker>("looker")->transforms; }
   Components components;
+};
+
+struct LookingPlace : Place {
+  explicit LookingPlace(const std::string& name) : Place(name) { Run({.name = "looker", .type = "test/Looker"}); }
+  [[nodiscard]] Transforms& transforms() { return components.Find<Looker>("looker")->transforms; }
 };
 
 class TransformsMoveTest : public DomainFixture {
  protected:
   TransformsMoveTest() {
-    one_.components.Add(WalkerSetup());
-    one_.components.Join();
-    one_.components.Start();
+    one_.Run(WalkerSetup());
     EXPECT_TRUE(outside_->WaitForSubscribers("step", 1, kPatience));
   }
   void Step(double x) {
@@ -70,8 +70,8 @@ class TransformsMoveTest : public DomainFixture {
 
   Robot outside_{"discovery: {lan: false}", "outside"};
   Publisher<PoseInFrame> step_{outside_->Advertise<PoseInFrame>("step")};
-  Place one_{"one"};
-  Place other_{"other"};
+  LookingPlace one_{"one"};
+  LookingPlace other_{"other"};
 };
 
 TEST_F(TransformsMoveTest, APlaceThatAComponentHasLeftHearsOfItsEdges) {
@@ -106,6 +106,112 @@ TEST_F(TransformsMoveTest, AComponentThatOnlySetsTransformsHearsNothing) {
   Transforms far(*outside_.session);
   ASSERT_TRUE(far.ToTF(Time{1}, "map", "far", At(1)));
   EXPECT_FALSE(outside_->WaitForSubscribers(kTransformsChannel, 1, std::chrono::milliseconds(50)));
+}
+
+// Static edges of components that move.
+// Sets edges from "base" in its constructor, in Activate, and to the frame of a message at the x of its pose.
+class Mount {
+ public:
+  explicit Mount(Context& context) : transforms_(context.transforms()) {
+    (void)transforms_.ToStaticTF("base", "plate", At(1));
+    (void)transforms_.ToStaticTF("base", "head", At(1));
+    context.FromAny<PoseInFrame>("turn", Invoke::kSerial, [this](const PoseInFrame& pose) {
+      (void)transforms_.ToStaticTF("base", pose.frame_id(), At(pose.pose().position().x()));
+    });
+  }
+  void Activate() { (void)transforms_.ToStaticTF("base", "arm", At(2)); }
+  [[nodiscard]] PoseInFrame Save() const { return {}; }
+  void Restore(const PoseInFrame& /*state*/) {}
+
+ private:
+  Transforms& transforms_;
+};
+HGROS_COMPONENT(Mount, "test/Mount")
+
+ComponentSetup MountSetup() { return {.name = "mount", .type = "test/Mount"}; }
+
+using Edges = StaticMessages::Edges;
+
+class StaticEdgesMoveTest : public DomainFixture {
+ protected:
+  StaticEdgesMoveTest() {
+    one_.Run(MountSetup());
+    EXPECT_TRUE(outside_->WaitForSubscribers("turn", 1, kPatience));
+  }
+  void Turn(const std::string& child, double x) {
+    PoseInFrame pose;
+    pose.set_frame_id(child);
+    pose.mutable_pose()->mutable_position()->set_x(x);
+    ASSERT_EQ(turn_(pose), PublishStatus::kOk);
+  }
+  static void Move(Place& from, Place& to) {
+    ArrivingComponent arriving(to.components, MountSetup(), [] {});
+    LeavingComponent leaving(from.components, "mount", [] {});
+    arriving.Restore(leaving.Hold(kPatience, to.session->id()));
+    arriving.Begin();
+    leaving.Leave();
+  }
+
+  Robot outside_{"discovery: {lan: false}", "outside"};
+  Publisher<PoseInFrame> turn_{outside_->Advertise<PoseInFrame>("turn")};
+  Place one_{"one"};
+  Place other_{"other"};
+};
+
+TEST_F(StaticEdgesMoveTest, LateSessionsGetThemFromTheNewPlaceOnly) {
+  StaticMessages early(*outside_.session);
+  Turn("laser", 3);
+  Turn("head", 4);
+  const Edges all = {{"plate", 1}, {"head", 4}, {"arm", 2}, {"laser", 3}};
+  ASSERT_TRUE(early.Gets(all));
+  Place* from = &one_;
+  Place* to = &other_;
+  for (int move = 0; move < 3; ++move, std::swap(from, to)) {
+    Move(*from, *to);
+    const Robot late{"discovery: {lan: false}", "late"};
+    StaticMessages seen(*late.session);
+    ASSERT_TRUE(seen.Gets({}) && seen.Gets(all));
+    for (const Edges& edges : seen.all()) EXPECT_TRUE(edges.empty() || edges == all);
+  }
+}
+
+TEST_F(StaticEdgesMoveTest, NobodySaysThatTwoSessionsSetThem) {
+  Transforms looking(*outside_.session);
+  (void)looking.tree();
+  Place* from = &one_;
+  Place* to = &other_;
+  for (int move = 0; move < 3; ++move, std::swap(from, to)) Move(*from, *to);
+  // This is so, and told after the other would have been.
+  Robot second{"discovery: {lan: false}", "second"};
+  Transforms shared(*second.session);
+  ASSERT_TRUE(looking.ToStaticTF("base", "camera", At(5)));
+  ASSERT_TRUE(shared.ToStaticTF("base", "camera", At(6)));
+  EXPECT_TRUE(Await([&] { return outside_.Said("Two sessions set the edge from \"base\" to \"camera\""); }));
+  EXPECT_EQ(outside_.Count("Two sessions set the edge"), 1U);
+  EXPECT_EQ(looking.FromTF("base", "plate")->T_target_source.translation.x(), 1);
+  const auto edges = looking.tree().Edges();
+  const auto plate = std::ranges::find(edges, "plate", [&](const EdgeSnapshot& edge) { return edge.child; });
+  ASSERT_NE(plate, edges.end());
+  EXPECT_EQ(plate->publisher, "other");
+}
+
+TEST_F(StaticEdgesMoveTest, TheyStayIfTheMoveIsAbandoned) {
+  StaticMessages early(*outside_.session);
+  Turn("plate", 3);
+  const Edges all = {{"plate", 3}, {"head", 1}, {"arm", 2}};
+  ASSERT_TRUE(early.Gets(all));
+  const std::size_t before = early.all().size();
+  {
+    ArrivingComponent arriving(other_.components, MountSetup(), [] {});
+    LeavingComponent leaving(one_.components, "mount", [] {});
+    arriving.Restore(leaving.Hold(kPatience, other_.session->id()));
+  }
+  const Robot late{"discovery: {lan: false}", "late"};
+  StaticMessages seen(*late.session);
+  ASSERT_TRUE(seen.Gets(all));
+  EXPECT_TRUE(Await([&] { return early.all().back() == all; }));
+  const std::vector<Edges> got = early.all();
+  for (std::size_t i = before; i < got.size(); ++i) EXPECT_TRUE(got[i].empty() || got[i] == all);
 }
 
 }  // namespace
