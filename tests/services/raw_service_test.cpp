@@ -131,6 +131,7 @@ TEST_P(RawServices, ReportWhatTheHandlerThrewOtherTypesAndBytesThatDoNotParse) {
   const Service fail = pair->server().ServeRaw(
       "fail", SchemaOfNote(), SchemaOfNote(), [](const RawMessage&) -> Payload { throw std::runtime_error("no way"); });
   const Service twice = pair->server().Serve<Vector3, Vector3>("twice", Twice);
+  const Service other = pair->server().Serve<Vector3, Vector3>("other", Twice);  // A session calls each with one type.
   const Service broken = pair->server().ServeRaw("broken", SchemaOfVector(), SchemaOfVector(),
                                                  [](const RawMessage&) { return Owned("\xff\xff"); });
   const auto failure = [&](const char* service, const MessageSchema& schema, const char* bytes) {
@@ -142,7 +143,7 @@ TEST_P(RawServices, ReportWhatTheHandlerThrewOtherTypesAndBytesThatDoNotParse) {
   EXPECT_EQ(thrown.kind, Kind::kHandlerFailed);
   EXPECT_EQ(thrown.reason, "no way");
   EXPECT_EQ(failure("twice", SchemaOfNote(), "x").kind, Kind::kTypeMismatch);
-  EXPECT_EQ(failure("twice", SchemaOfVector(), "\xff\xff").kind, Kind::kNotWritable);
+  EXPECT_EQ(failure("other", SchemaOfVector(), "\xff\xff").kind, Kind::kNotWritable);
   const auto reply = pair->caller().Call<Vector3, Vector3>("broken", At(1), kLong).Wait();
   ASSERT_FALSE(reply);
   EXPECT_EQ(reply.failure().kind, Kind::kNotWritable) << reply.failure().reason;

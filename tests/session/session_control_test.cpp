@@ -81,12 +81,6 @@ OutboundStats OutOf(const SessionSnapshot& snapshot) {
 // The transport of the channel: shared_memory or zmq.
 class ForbiddenChannel : public SessionControl, public testing::WithParamInterface<std::string> {
  protected:
-  // The node of the listener.
-  [[nodiscard]] Subscription Hear(const std::function<void(const Note&)>& callback, const NodeOptions& options) {
-    Subscription heard = listener->FromAny<Note>("notes", kSerial, callback, options);
-    EXPECT_TRUE(Joins());
-    return heard;
-  }
   [[nodiscard]] bool Joins() { return robot->WaitForSubscribers("notes", 1, kPatience); }
   [[nodiscard]] bool Leaves() {
     return Await([&] { return !robot->WaitForSubscribers("notes", 1, std::chrono::nanoseconds(0)); });
@@ -116,7 +110,9 @@ TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
     door.Pass();
     notes(note);
   };
-  const Subscription heard = Hear(take, {.queue = Queue::KeepAll(10), .executor = Executor::Dedicated()});
+  const Subscription heard =
+      listener->FromAny<Note>("notes", kSerial, take, {{}, Queue::KeepAll(10), Executor::Dedicated()});
+  ASSERT_TRUE(Joins());
   std::size_t accepted = 0;
   while (publish(Note("before")) == PublishStatus::kOk) ++accepted;
   Forbid(robot);
@@ -142,7 +138,8 @@ TEST_P(ForbiddenChannel, LeavesNoSessionAndLosesNoAcceptedLosslessMessage) {
 }
 
 TEST_P(ForbiddenChannel, LosesNoAcceptedMessageUnderTraffic) {
-  const Subscription heard = Hear(std::ref(notes), {.queue = Queue::KeepAll(50)});
+  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(50)});
+  ASSERT_TRUE(Joins());
   std::atomic<bool> ends{false};
   std::atomic<std::uint64_t> published{0};
   std::thread talker([&] {
@@ -163,7 +160,8 @@ TEST_P(ForbiddenChannel, LosesNoAcceptedMessageUnderTraffic) {
 }
 
 TEST_P(ForbiddenChannel, EntersNoSession) {
-  const Subscription heard = Hear(std::ref(notes), {});
+  const Subscription heard = listener->FromAny<Note>("notes", kSerial, std::ref(notes));
+  ASSERT_TRUE(Joins());
   EXPECT_THAT(Forbid(listener).done, EndsWith("enters this session."));
   ASSERT_TRUE(Leaves());
   // A later subscription does not enter, either.
@@ -178,7 +176,9 @@ TEST_P(ForbiddenChannel, EntersNoSession) {
 }
 
 TEST_P(ForbiddenChannel, SaysThatALosslessSubscriptionLosesMessages) {
-  const Subscription heard = Hear([](const Note&) {}, {.queue = Queue::KeepAll(10)});
+  const Subscription heard =
+      listener->FromAny<Note>("notes", kSerial, [](const Note&) {}, {.queue = Queue::KeepAll(10)});
+  ASSERT_TRUE(Joins());
   EXPECT_THAT(Forbid(listener).done, EndsWith("Messages on their way to its lossless subscriptions are lost."));
   EXPECT_TRUE(Await([&] { return listener.Said("lossless subscriptions are lost"); }));
 }

@@ -171,9 +171,9 @@ TEST(Session, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
 
 // Both publish and subscribe.
 struct BothWays {
-  explicit BothWays(const std::string& firsts = {}) : first(bus.Both("a", "b") + firsts) {
-    EXPECT_TRUE(first->WaitForSubscribers("notes", 2, kPatience));
-    EXPECT_TRUE(second->WaitForSubscribers("notes", 2, kPatience));
+  explicit BothWays(const std::string& firsts = {}) : first(bus.Both("a", "b") + firsts) {}
+  [[nodiscard]] bool Joined() {
+    return first->WaitForSubscribers("notes", 2, kPatience) && second->WaitForSubscribers("notes", 2, kPatience);
   }
   const Bus bus;
   Notes at_first;
@@ -186,6 +186,7 @@ struct BothWays {
 
 TEST(Session, MessagesDoNotEchoBetweenTwoSessions) {
   BothWays they;
+  ASSERT_TRUE(they.Joined());
   EXPECT_EQ(they.first->ToAny("notes", Note("from first")), PublishStatus::kOk);
   EXPECT_EQ(they.second->ToAny("notes", Note("from second")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return they.at_first.size() == 2 && they.at_second.size() == 2; }));
@@ -221,6 +222,7 @@ TEST(Session, LongCallbackDoesNotDelayOtherNodesOfARemoteChannel) {
 
 TEST(Session, ClosedChannelStillSendsToAndReceivesFromOtherSessions) {
   BothWays they("data_graph: {close_channels: [notes]}\n");
+  ASSERT_TRUE(they.Joined());
   EXPECT_EQ(they.first->ToAny("notes", Note("out")), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return they.at_second.size() == 1; }));
   EXPECT_EQ(they.second->ToAny("notes", Note("in")), PublishStatus::kOk);
