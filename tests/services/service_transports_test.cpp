@@ -119,7 +119,7 @@ TEST_P(ServiceOverEveryTransport, FailsCallsWhenTheServiceEnds) {
 
 // A request that comes between two servers of one session reaches neither. The caller sees the same session before and
 // after.
-TEST_P(ServiceOverEveryTransport, EndsEveryCallAndContinuesAlthoughTheServiceIsServedAgainAtOnce) {
+TEST_P(ServiceOverEveryTransport, EndsEveryCallAlthoughTheServiceIsServedAgainAtOnce) {
   constexpr int kLives = 60;
   constexpr std::chrono::seconds kLost{20};
   std::atomic<bool> stop{false};
