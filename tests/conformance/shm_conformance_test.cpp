@@ -7,31 +7,30 @@ namespace {
 
 class ShmWorld : public World {
  public:
-  explicit ShmWorld(ShmWait wait, std::uint64_t limit_bytes) : wait_(wait), limit_bytes_(limit_bytes) {}
+  ShmWorld(ShmWait wait, std::uint64_t limit_bytes) : wait_(wait), limit_bytes_(limit_bytes) {}
 
   std::unique_ptr<Transport> MakePublisher(TransportListener& listener, Log& log, SessionId id) override {
-    ShmOptions options = Options(id);
-    options.place = place_;
-    return MakeShmTransport(std::move(options), listener, log);
+    return Make(place_, {}, listener, log, id);
   }
   std::unique_ptr<Transport> MakeSubscriber(TransportListener& listener, Log& log, SessionId id) override {
-    ShmOptions options = Options(id);
-    options.peers = {place_};
-    return MakeShmTransport(std::move(options), listener, log);
+    return Make({}, {place_}, listener, log, id);
   }
   bool shows_in_place() const override { return false; }
 
  private:
-  ShmOptions Options(SessionId id) const {
+  std::unique_ptr<Transport> Make(const std::string& place, const std::vector<std::string>& peers,
+                                  TransportListener& listener, Log& log, SessionId id) const {
     ShmOptions options;
     options.session = id;
     options.process = "conformance";
+    options.place = place;
+    options.peers = peers;
     options.wait = wait_;
     options.spin = std::chrono::microseconds(20);
     options.limit_bytes = limit_bytes_;
     options.heartbeat = std::chrono::milliseconds(100);
     options.peer_timeout = std::chrono::milliseconds(8000);
-    return options;
+    return MakeShmTransport(std::move(options), listener, log);
   }
 
   const std::string place_ = "hgros-test-" + SessionId::Random().ToString();

@@ -2,15 +2,21 @@
 
 #include <google/protobuf/descriptor.pb.h>
 
+#include <algorithm>
+#include <array>
+
 #include "support/await.hpp"
 
 namespace hgros::conformance {
-
 namespace {
 
-std::uint64_t NextIncarnation() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
+std::atomic<std::uint64_t> incarnations{0};
+
+// A descriptor_set is a plain function, so each type of a test has its own.
+std::array<std::string, 4> schemas;
+template <std::size_t kSlot>
+std::string SchemaIn() {
+  return schemas[kSlot];
 }
 
 }  // namespace
@@ -26,9 +32,17 @@ Session::Session(World& world, Role role, SessionId session) : id(session) {
       role == Role::kPublisher ? world.MakePublisher(listener, log, id) : world.MakeSubscriber(listener, log, id);
 }
 
-bool Session::Said(const std::string& text) {
-  const std::scoped_lock lock(mutex);
-  return lines.find(text) != std::string::npos;
+std::vector<std::string> KeptLog::Lines(std::string_view text) const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<std::string> found;
+  std::ranges::copy_if(lines_, std::back_inserter(found),
+                       [&](const auto& line) { return line.find(text) != line.npos; });
+  return found;
+}
+
+void KeptLog::Forget() {
+  const std::scoped_lock lock(mutex_);
+  lines_.clear();
 }
 
 std::vector<OutboundMessage> Source::Latched(SessionId /*subscriber*/) noexcept {
@@ -43,8 +57,15 @@ void Source::Latch(OutboundMessage message) {
 }
 
 Publication::Publication(Session& session, std::string name, const TypeInfo& message_type)
-    : channel_name(std::move(name)), type(message_type), id{session.id.value, NextIncarnation(), 0} {
-  channel = session.transport->Advertise(channel_name, type, source);
+    : Publication(*session.transport, std::move(name), message_type, session.id) {}
+
+Publication::Publication(Transport& transport, std::string name, const TypeInfo& message_type, SessionId session)
+    : channel_name(std::move(name)), type(message_type), id{session.value, ++incarnations, 0} {
+  channel = transport.Advertise(channel_name, type, source);
+}
+
+bool Publication::Joined(std::size_t subscribers) const {
+  return Eventually([&] { return channel->subscriber_count() == subscribers; });
 }
 
 PacketHead Publication::NextHead() {
@@ -125,10 +146,11 @@ void Sink::Release(std::size_t count) {
   }
 }
 
-Reception::Reception(Session& session, const std::string& name, const TypeInfo& type, const Demand& demand,
-                     const std::function<void(Sink&)>& prepare) {
+Reception::Reception(Transport& transport, const std::string& name, const TypeInfo& message_type, const Demand& demand,
+                     const std::function<void(Sink&)>& prepare)
+    : type(message_type) {
   if (prepare) prepare(sink);
-  channel = session.transport->Subscribe(name, type, demand, sink);
+  channel = transport.Subscribe(name, type, demand, sink);
 }
 
 const TypeInfo& TextType() {
@@ -140,21 +162,6 @@ const TypeInfo& TextType() {
   }();
   return type;
 }
-
-namespace {
-
-// A descriptor_set is a plain function, so each type of a test has its own.
-template <int kSlot>
-std::string& Schema() {
-  static std::string schema;
-  return schema;
-}
-template <int kSlot>
-std::string SchemaFunction() {
-  return Schema<kSlot>();
-}
-
-}  // namespace
 
 TypeInfo ProtobufType(const std::string& name, const std::vector<std::pair<std::string, int>>& fields) {
   namespace pb = google::protobuf;
@@ -176,26 +183,31 @@ TypeInfo ProtobufType(const std::string& name, const std::vector<std::pair<std::
   type.name = name;
   type.encoding = Encoding::kProtobuf;
   type.fingerprint = std::hash<std::string>()(set.SerializeAsString());
-  static std::atomic<int> next{0};
-  switch (next++ % 4) {
-    case 0:
-      Schema<0>() = set.SerializeAsString();
-      type.descriptor_set = SchemaFunction<0>;
-      break;
-    case 1:
-      Schema<1>() = set.SerializeAsString();
-      type.descriptor_set = SchemaFunction<1>;
-      break;
-    case 2:
-      Schema<2>() = set.SerializeAsString();
-      type.descriptor_set = SchemaFunction<2>;
-      break;
-    default:
-      Schema<3>() = set.SerializeAsString();
-      type.descriptor_set = SchemaFunction<3>;
-      break;
-  }
+  static std::atomic<std::size_t> next{0};
+  static constexpr std::array kFunctions{SchemaIn<0>, SchemaIn<1>, SchemaIn<2>, SchemaIn<3>};
+  const std::size_t slot = next++ % schemas.size();
+  schemas[slot] = set.SerializeAsString();
+  type.descriptor_set = kFunctions[slot];
   return type;
+}
+
+void TransportConformance::Meet() {
+  in.reset();
+  out.reset();
+  b.reset();
+  a.emplace(*world, Role::kPublisher);
+  b.emplace(*world, Role::kSubscriber);
+}
+
+void TransportConformance::Offer(const TypeInfo& type) {
+  Meet();
+  out.emplace(*a, "scan", type);
+}
+
+bool TransportConformance::Join(const Demand& demand, const std::function<void(Sink&)>& prepare) {
+  Offer();
+  in.emplace(*b, "scan", TextType(), demand, prepare);
+  return out->Joined();
 }
 
 }  // namespace hgros::conformance

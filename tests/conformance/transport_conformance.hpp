@@ -7,9 +7,11 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <thread>
@@ -66,21 +68,31 @@ class Listener : public TransportListener {
   std::atomic<int> mismatches{0};
 };
 
+/// Keeps everything that is logged.
+class KeptLog {
+ public:
+  /// The lines that contain this text.
+  [[nodiscard]] std::vector<std::string> Lines(std::string_view text = {}) const;
+  [[nodiscard]] std::ptrdiff_t TimesSaid(std::string_view text) const { return std::ssize(Lines(text)); }
+  [[nodiscard]] bool Said(std::string_view text) const { return TimesSaid(text) > 0; }
+  void Forget();
+
+  Log log{[this](LogLevel, std::string_view text) {
+    const std::scoped_lock lock(mutex_);
+    lines_.emplace_back(text);
+  }};
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
 /// A session of a test.
-struct Session {
+struct Session : KeptLog {
   enum class Role { kPublisher, kSubscriber };
   Session(World& world, Role role, SessionId id = SessionId::Random());
 
-  /// True if a line of the log contains this text.
-  [[nodiscard]] bool Said(const std::string& text);
-
   Listener listener;
-  std::mutex mutex;
-  std::string lines;  // Guarded by mutex.
-  Log log{[this](LogLevel, std::string_view text) {
-    const std::scoped_lock lock(mutex);
-    lines += std::string(text) + "\n";
-  }};
   SessionId id;
   std::unique_ptr<Transport> transport;
 };
@@ -101,9 +113,16 @@ class Source : public OutboundSource {
   std::atomic<std::size_t> subscribers{0};
 };
 
+/// A custom type without a schema.
+const TypeInfo& TextType();
+
 class Publication {
  public:
-  Publication(Session& session, std::string channel, const TypeInfo& type);
+  Publication(Session& session, std::string channel, const TypeInfo& type = TextType());
+  /// Its messages have the id of the session; without one, none.
+  Publication(Transport& transport, std::string channel, const TypeInfo& type = TextType(), SessionId session = {});
+  /// True if it has so many subscribers in time.
+  [[nodiscard]] bool Joined(std::size_t subscribers = 1) const;
   /// Reserves and commits; only kOk uses up a number.
   PublishStatus Publish(const std::string& text);
   /// Publishes until the message is accepted; false at the deadline.
@@ -112,7 +131,7 @@ class Publication {
   [[nodiscard]] static Payload PayloadOf(const std::string& text);
 
   std::string channel_name;
-  const TypeInfo& type;
+  const TypeInfo type;
   const MessageId id;  // The session's id, with another incarnation for each publication.
   std::atomic<std::uint64_t> sequence{0};
   std::mutex in_order;
@@ -142,9 +161,9 @@ class Sink : public InboundSink {
   std::atomic<bool> overlapped{false};  ///< Two calls of Accept() ran at the same time.
   std::atomic<int> faults{0};
   std::atomic<std::size_t> publishers{0};
+  // Guarded by mutex_ until the subscription has ended, as are the next three.
   std::vector<CauseHead> causes;
-  std::vector<MessageId>
-      ids;  // This, the one above and the next two: guarded by mutex_ until the subscription has ended.
+  std::vector<MessageId> ids;
   std::vector<std::shared_ptr<const MessageSchema>> schemas;  // One for each message.
   std::map<std::uint64_t, std::shared_ptr<const MessageSchema>> offers;
   std::atomic<std::size_t> offered{0};
@@ -158,21 +177,37 @@ class Sink : public InboundSink {
 class Reception {
  public:
   /// `prepare` sets up the sink before anything can reach it.
-  Reception(Session& session, const std::string& channel, const TypeInfo& type, const Demand& demand = {},
-            const std::function<void(Sink&)>& prepare = {});
+  Reception(Session& session, const std::string& channel, const TypeInfo& type = TextType(), const Demand& demand = {},
+            const std::function<void(Sink&)>& prepare = {})
+      : Reception(*session.transport, channel, type, demand, prepare) {}
+  Reception(Transport& transport, const std::string& channel, const TypeInfo& type = TextType(),
+            const Demand& demand = {}, const std::function<void(Sink&)>& prepare = {});
+  const TypeInfo type;
   Sink sink;
   std::unique_ptr<InboundChannel> channel;
 };
 
-/// A custom type without a schema.
-const TypeInfo& TextType();
 /// A type of this name and schema: a protobuf message with the fields of `fields`, such as "int32 a = 1".
 TypeInfo ProtobufType(const std::string& name, const std::vector<std::pair<std::string, int>>& fields);
 
+constexpr Demand kLossless{.lossless = true, .queue_depth = 16, .credit_messages = 8, .credit_bytes = 1 << 20};
+constexpr Demand kRoomy{.lossless = false, .queue_depth = 10000, .credit_messages = 64, .credit_bytes = 64 << 20};
+
 class TransportConformance : public testing::TestWithParam<TransportCase> {
  protected:
+  using Role = Session::Role;
   void SetUp() override { world = GetParam().make(); }
+  /// Session b may subscribe to what session a publishes.
+  void Meet();
+  void Offer(const TypeInfo& type = TextType());
+  /// It subscribes. False if that takes too long.
+  [[nodiscard]] bool Join(const Demand& demand = kLossless, const std::function<void(Sink&)>& prepare = {});
+
   std::unique_ptr<World> world;
+  std::optional<Session> a;
+  std::optional<Session> b;
+  std::optional<Publication> out;
+  std::optional<Reception> in;
 };
 
 }  // namespace hgros::conformance

@@ -7,94 +7,75 @@
 namespace hgros::conformance::transport_resilience_test {
 namespace {
 
-using Role = Session::Role;
-
-constexpr Demand kLossless{.lossless = true, .queue_depth = 16, .credit_messages = 8, .credit_bytes = 1 << 20};
-constexpr Demand kRoomy{.lossless = false, .queue_depth = 10000, .credit_messages = 64, .credit_bytes = 64 << 20};
-
-bool Joined(const Publication& publication, std::size_t subscribers = 1) {
-  return Eventually([&] { return publication.channel->subscriber_count() == subscribers; });
-}
-
 TEST_P(TransportConformance, APublisherMayRestartAgainAndAgain) {
-  Session b(*world, Role::kSubscriber);
-  Reception in(b, "scan", TextType());
+  b.emplace(*world, Role::kSubscriber);
+  in.emplace(*b, "scan");
   for (std::size_t life = 1; life <= 5; ++life) {
-    Session a(*world, Role::kPublisher);
-    Publication out(a, "scan", TextType());
-    ASSERT_TRUE(Joined(out)) << "life " << life;
-    ASSERT_EQ(out.Publish(std::to_string(life)), PublishStatus::kOk);
-    ASSERT_TRUE(Eventually([&] { return in.sink.count() == life; })) << "life " << life;
+    a.emplace(*world, Role::kPublisher);
+    out.emplace(*a, "scan");
+    ASSERT_TRUE(out->Joined()) << "life " << life;
+    ASSERT_EQ(out->Publish(std::to_string(life)), PublishStatus::kOk);
+    ASSERT_TRUE(Eventually([&] { return in->sink.count() == life; })) << "life " << life;
+    out.reset();
+    a.reset();
   }
 }
 
 TEST_P(TransportConformance, ASubscriberMayRestartWithTheSameSessionId) {
-  Session a(*world, Role::kPublisher);
-  Publication out(a, "scan", TextType());
+  a.emplace(*world, Role::kPublisher);
+  out.emplace(*a, "scan");
   const SessionId id = SessionId::Random();
   for (int life = 1; life <= 5; ++life) {
-    Session b(*world, Role::kSubscriber, id);
-    Reception in(b, "scan", TextType(), kLossless);
-    ASSERT_TRUE(Joined(out)) << "life " << life;
-    ASSERT_TRUE(Eventually([&] { return in.channel->publisher_count() == 1; }));
-    ASSERT_TRUE(out.PublishSoon(std::to_string(life)));
-    ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; })) << "life " << life;
-    in.channel.reset();
-    b.transport.reset();
-    ASSERT_TRUE(Joined(out, 0)) << "life " << life;
+    b.emplace(*world, Role::kSubscriber, id);
+    in.emplace(*b, "scan", TextType(), kLossless);
+    ASSERT_TRUE(out->Joined()) << "life " << life;
+    ASSERT_TRUE(Eventually([&] { return in->channel->publisher_count() == 1; }));
+    ASSERT_TRUE(out->PublishSoon(std::to_string(life)));
+    ASSERT_TRUE(Eventually([&] { return in->sink.count() == 1; })) << "life " << life;
+    in.reset();
+    b.reset();
+    ASSERT_TRUE(out->Joined(0)) << "life " << life;
   }
 }
 
 TEST_P(TransportConformance, ALosslessSubscriberThatLeavesGivesItsCreditBack) {
-  Session a(*world, Role::kPublisher);
-  Publication out(a, "scan", TextType());
-  auto b = std::make_unique<Session>(*world, Role::kSubscriber);
-  auto in = std::make_unique<Reception>(*b, "scan", TextType(), kLossless);
-  in->sink.hold_credit = true;
-  ASSERT_TRUE(Joined(out));
-  for (int i = 0; i < 8; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
-  ASSERT_EQ(out.Publish("x"), PublishStatus::kFull);
+  ASSERT_TRUE(Join(kLossless, [](Sink& sink) { sink.hold_credit = true; }));
+  for (int i = 0; i < 8; ++i) ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
+  ASSERT_EQ(out->Publish("x"), PublishStatus::kFull);
   b->transport->Close(0);
-  ASSERT_TRUE(Eventually([&] { return out.source.rooms > 0; }));
-  EXPECT_EQ(out.Publish("y"), PublishStatus::kOk);
-  EXPECT_EQ(out.channel->stats().missed, 8u);
-  in.reset();
+  ASSERT_TRUE(Eventually([&] { return out->source.rooms > 0; }));
+  EXPECT_EQ(out->Publish("y"), PublishStatus::kOk);
+  EXPECT_EQ(out->channel->stats().missed, 8u);
 }
 
 TEST_P(TransportConformance, ALosslessSubscriberThatFallsSilentGivesItsCreditBack) {
   if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-  Publication out(a, "scan", TextType());
-  Reception in(b, "scan", TextType(), kLossless);
-  ASSERT_TRUE(Joined(out));
+  ASSERT_TRUE(Join());
   world->cable()->Stall();
-  for (int i = 0; i < 8; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
-  ASSERT_EQ(out.Publish("x"), PublishStatus::kFull);
-  ASSERT_TRUE(Eventually([&] { return out.source.rooms > 0 && out.channel->subscriber_count() == 0; }));
-  EXPECT_EQ(out.channel->stats().missed, 8u);
-  EXPECT_EQ(out.Publish("y"), PublishStatus::kOk);
+  for (int i = 0; i < 8; ++i) ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
+  ASSERT_EQ(out->Publish("x"), PublishStatus::kFull);
+  ASSERT_TRUE(Eventually([&] { return out->source.rooms > 0 && out->channel->subscriber_count() == 0; }));
+  EXPECT_EQ(out->channel->stats().missed, 8u);
+  EXPECT_EQ(out->Publish("y"), PublishStatus::kOk);
   world->cable()->Resume();
-  EXPECT_TRUE(Joined(out));
+  EXPECT_TRUE(out->Joined());
 }
 
 TEST_P(TransportConformance, ALosslessSubscriberGetsMessagesOfACutExactlyOnce) {
   if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-  Publication out(a, "scan", TextType());
-  Reception in(b, "scan", TextType(), kLossless);
-  ASSERT_TRUE(Joined(out));
+  ASSERT_TRUE(Join());
   std::vector<std::string> sent;
   std::atomic<bool> stop{false};
   std::thread publishing([&] {
     while (!stop) {
       const std::string text = std::to_string(sent.size());
-      if (out.Publish(text) == PublishStatus::kOk) sent.push_back(text);
+      if (out->Publish(text) == PublishStatus::kOk) sent.push_back(text);
       std::this_thread::yield();
     }
   });
   for (int cut = 0; cut < 8; ++cut) {
-    const std::size_t before = in.sink.count();
-    EXPECT_TRUE(Eventually([&] { return in.sink.count() > before + 50; })) << "cut " << cut;
+    const std::size_t before = in->sink.count();
+    EXPECT_TRUE(Eventually([&] { return in->sink.count() > before + 50; })) << "cut " << cut;
     if (cut % 2 == 0) {
       world->cable()->Cut();
     } else {
@@ -104,70 +85,64 @@ TEST_P(TransportConformance, ALosslessSubscriberGetsMessagesOfACutExactlyOnce) {
     }
     world->cable()->Resume();
   }
-  const std::size_t before = in.sink.count();
-  EXPECT_TRUE(Eventually([&] { return in.sink.count() > before + 50; }));
+  const std::size_t before = in->sink.count();
+  EXPECT_TRUE(Eventually([&] { return in->sink.count() > before + 50; }));
   stop = true;
   publishing.join();
-  EXPECT_TRUE(Eventually([&] { return in.sink.count() == sent.size(); }));
-  EXPECT_EQ(in.sink.texts(), sent);
-  EXPECT_EQ(out.channel->stats().missed, 0u);
+  EXPECT_TRUE(Eventually([&] { return in->sink.count() == sent.size(); }));
+  EXPECT_EQ(in->sink.texts(), sent);
+  EXPECT_EQ(out->channel->stats().missed, 0u);
 }
 
 TEST_P(TransportConformance, AKeepLastSubscriberComesBackAfterACutWithoutRepeats) {
   if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-  Publication out(a, "scan", TextType());
-  Reception in(b, "scan", TextType(), kRoomy);
-  ASSERT_TRUE(Joined(out));
+  ASSERT_TRUE(Join(kRoomy));
   for (int cut = 0; cut < 4; ++cut) {
     world->cable()->Cut();
-    for (int i = 0; i < 10; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+    for (int i = 0; i < 10; ++i) ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
     world->cable()->Resume();
-    const std::size_t before = in.sink.count();
-    ASSERT_TRUE(Eventually([&] { return out.Publish("x") == PublishStatus::kOk && in.sink.count() > before; }));
+    const std::size_t before = in->sink.count();
+    ASSERT_TRUE(Eventually([&] { return out->Publish("x") == PublishStatus::kOk && in->sink.count() > before; }));
   }
-  b.transport->Close(0);
-  const std::set<MessageId> unique(in.sink.ids.begin(), in.sink.ids.end());
-  EXPECT_EQ(unique.size(), in.sink.ids.size());
+  b->transport->Close(0);
+  const std::set<MessageId> unique(in->sink.ids.begin(), in->sink.ids.end());
+  EXPECT_EQ(unique.size(), in->sink.ids.size());
 }
 
 TEST_P(TransportConformance, ConcurrentPublishersKeepEachThreadsOrder) {
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-  Publication out(a, "scan", TextType());
-  Reception in(b, "scan", TextType(), kLossless);
-  ASSERT_TRUE(Joined(out));
+  ASSERT_TRUE(Join());
   constexpr int kThreads = 4;
   constexpr int kEach = 300;
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
     threads.emplace_back([&, t] {
-      for (int i = 0; i < kEach; ++i) EXPECT_TRUE(out.PublishSoon(std::to_string(t) + " " + std::to_string(i)));
+      for (int i = 0; i < kEach; ++i) EXPECT_TRUE(out->PublishSoon(std::to_string(t) + " " + std::to_string(i)));
     });
   }
   for (auto& thread : threads) thread.join();
-  ASSERT_TRUE(Eventually([&] { return in.sink.count() == kThreads * kEach; }));
+  ASSERT_TRUE(Eventually([&] { return in->sink.count() == kThreads * kEach; }));
   std::array<int, kThreads> next{};
-  for (const auto& text : in.sink.texts()) {
+  for (const auto& text : in->sink.texts()) {
     const auto t = static_cast<std::size_t>(text[0] - '0');
     EXPECT_EQ(std::stoi(text.substr(2)), next[t]++);
   }
 }
 
 TEST_P(TransportConformance, SeveralChannelsAlternateWithoutPause) {
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
+  Meet();
   constexpr int kChannels = 8;
-  std::vector<std::unique_ptr<Publication>> out;
-  std::vector<std::unique_ptr<Reception>> in;
+  std::vector<std::unique_ptr<Publication>> all_out;
+  std::vector<std::unique_ptr<Reception>> all_in;
   for (int c = 0; c < kChannels; ++c) {
-    out.push_back(std::make_unique<Publication>(a, "channel" + std::to_string(c), TextType()));
-    in.push_back(std::make_unique<Reception>(b, "channel" + std::to_string(c), TextType(), kLossless));
-    in.back()->sink.answer = c % 2 == 0 ? Accepted::kRunApart : Accepted::kRunHere;
+    all_out->push_back(std::make_unique<Publication>(*a, "channel" + std::to_string(c)));
+    all_in->push_back(std::make_unique<Reception>(*b, "channel" + std::to_string(c), TextType(), kLossless));
+    all_in->back()->sink.answer = c % 2 == 0 ? Accepted::kRunApart : Accepted::kRunHere;
   }
-  for (const auto& publication : out) ASSERT_TRUE(Joined(*publication));
+  for (const auto& publication : all_out) ASSERT_TRUE(publication->Joined());
   for (int i = 0; i < 300; ++i) {
-    for (const auto& publication : out) ASSERT_TRUE(publication->PublishSoon(std::to_string(i)));
+    for (const auto& publication : all_out) ASSERT_TRUE(publication->PublishSoon(std::to_string(i)));
   }
-  for (const auto& reception : in) {
+  for (const auto& reception : all_in) {
     ASSERT_TRUE(Eventually([&] { return reception->sink.count() == 300 && reception->sink.runs == 300; }));
     EXPECT_FALSE(reception->sink.overlapped);
     for (int i = 0; i < 300; ++i) EXPECT_EQ(reception->sink.texts()[static_cast<std::size_t>(i)], std::to_string(i));
@@ -175,15 +150,15 @@ TEST_P(TransportConformance, SeveralChannelsAlternateWithoutPause) {
 }
 
 TEST_P(TransportConformance, ALongRunOfOneChannelDoesNotBlockAnother) {
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-  Publication long_out(a, "long", TextType()), short_out(a, "short", TextType());
+  Meet();
+  Publication long_out(*a, "long"), short_out(*a, "short");
   std::atomic<bool> go_on{false};
-  Reception long_in(b, "long", TextType(), {}, [&](Sink& sink) {
+  Reception long_in(*b, "long", TextType(), {}, [&](Sink& sink) {
     sink.answer = Accepted::kRunApart;
     sink.on_run = [&] { EXPECT_TRUE(Eventually([&] { return go_on.load(); })); };
   });
-  Reception short_in(b, "short", TextType(), kLossless, [](Sink& sink) { sink.answer = Accepted::kRunApart; });
-  ASSERT_TRUE(Joined(long_out) && Joined(short_out));
+  Reception short_in(*b, "short", TextType(), kLossless, [](Sink& sink) { sink.answer = Accepted::kRunApart; });
+  ASSERT_TRUE(long_out.Joined() && short_out.Joined());
   for (int i = 0; i < 10; ++i) ASSERT_EQ(long_out.Publish("x"), PublishStatus::kOk);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(short_out.PublishSoon("y"));
   EXPECT_TRUE(Eventually([&] { return short_in.sink.runs == 100; }));
@@ -194,11 +169,9 @@ TEST_P(TransportConformance, ALongRunOfOneChannelDoesNotBlockAnother) {
 
 TEST_P(TransportConformance, ASubscriptionMayEndWithinItsOwnRun) {
   for (const auto answer : {Accepted::kRunApart, Accepted::kRunHere}) {
-    Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-    Publication out(a, "scan", TextType());
+    Offer();
     std::atomic<bool> ended{false}, ready{false};
-    std::unique_ptr<Reception> in;
-    in = std::make_unique<Reception>(b, "scan", TextType(), Demand{}, [&](Sink& sink) {
+    in.emplace(*b, "scan", TextType(), Demand{}, [&](Sink& sink) {
       sink.answer = answer;
       sink.on_run = [&] {
         EXPECT_TRUE(Eventually([&] { return ready.load(); }));
@@ -207,41 +180,34 @@ TEST_P(TransportConformance, ASubscriptionMayEndWithinItsOwnRun) {
       };
     });
     ready = true;
-    ASSERT_TRUE(Joined(out));
-    ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+    ASSERT_TRUE(out->Joined());
+    ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
     ASSERT_TRUE(Eventually([&] { return ended.load(); }));
-    ASSERT_TRUE(Joined(out, 0));
+    ASSERT_TRUE(out->Joined(0));
     EXPECT_EQ(in->sink.count(), 1u);
-    b.transport->Close(0);  // Run() ends before the sink is destroyed.
+    b->transport->Close(0);  // Run() ends before the sink is destroyed.
   }
 }
 
 TEST_P(TransportConformance, EndingASubscriptionWaitsForItsRun) {
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-  Publication out(a, "scan", TextType());
   std::atomic<bool> started{false}, finished{false};
-  Reception in(b, "scan", TextType(), {}, [&](Sink& sink) {
+  ASSERT_TRUE(Join({}, [&](Sink& sink) {
     sink.answer = Accepted::kRunApart;
     sink.on_run = [&] {
       started = true;
       test::Linger(std::chrono::milliseconds(50));
       finished = true;
     };
-  });
-  ASSERT_TRUE(Joined(out));
-  ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  }));
+  ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
   ASSERT_TRUE(Eventually([&] { return started.load(); }));
-  in.channel.reset();
+  in->channel.reset();
   EXPECT_TRUE(finished);
 }
 
 TEST_P(TransportConformance, EverythingMayBeDestroyedUnderLoad) {
   for (int round = 0; round < 5; ++round) {
-    auto a = std::make_unique<Session>(*world, Role::kPublisher);
-    auto b = std::make_unique<Session>(*world, Role::kSubscriber);
-    auto out = std::make_unique<Publication>(*a, "scan", TextType());
-    auto in = std::make_unique<Reception>(*b, "scan", TextType(), kRoomy);
-    in->sink.answer = Accepted::kRunApart;
+    ASSERT_TRUE(Join(kRoomy, [](Sink& sink) { sink.answer = Accepted::kRunApart; }));
     std::atomic<bool> stop{false};
     std::vector<std::thread> threads;
     for (int t = 0; t < 2; ++t) {
@@ -268,15 +234,12 @@ TEST_P(TransportConformance, EverythingMayBeDestroyedUnderLoad) {
 }
 
 TEST_P(TransportConformance, AClosedTransportHasSentCommittedMessagesAndRefusesNewOnes) {
-  Session a(*world, Role::kPublisher), b(*world, Role::kSubscriber);
-  Publication out(a, "scan", TextType());
-  Reception in(b, "scan", TextType(), kRoomy);
-  ASSERT_TRUE(Joined(out));
-  for (int i = 0; i < 100; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
-  a.transport->Close(5000);
-  EXPECT_EQ(out.Publish("y"), PublishStatus::kClosed);
-  EXPECT_TRUE(Eventually([&] { return in.sink.count() == 100; })) << "what was committed was not sent";
-  a.transport->Close(0);
+  ASSERT_TRUE(Join(kRoomy));
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
+  a->transport->Close(5000);
+  EXPECT_EQ(out->Publish("y"), PublishStatus::kClosed);
+  EXPECT_TRUE(Eventually([&] { return in->sink.count() == 100; })) << "what was committed was not sent";
+  a->transport->Close(0);
 }
 
 }  // namespace

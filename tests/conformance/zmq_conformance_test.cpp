@@ -1,60 +1,51 @@
 // Runs the conformance suite over ZeroMQ.
-#include <unistd.h>
-
-#include <cstdlib>
-#include <filesystem>
-
 #include "conformance/tcp_forwarder.hpp"
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/zmq_transport.hpp"
 #include "support/free_port.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::conformance::zmq_conformance_test {
 namespace {
 
-ZmqOptions Options(SessionId id) {
-  ZmqOptions options;
-  options.session = id;
-  options.process = "conformance";
-  options.heartbeat = std::chrono::milliseconds(100);
-  options.peer_timeout = std::chrono::milliseconds(8000);
-  return options;
-}
-
 class ZmqWorld : public World {
  public:
   std::unique_ptr<Transport> MakePublisher(TransportListener& listener, Log& log, SessionId id) override {
-    ZmqOptions options = Options(id);
+    ZmqOptions options;
     options.publish = {{publish_at_, std::nullopt}};
-    return MakeZmqTransport(std::move(options), listener, log);
+    return Make(std::move(options), listener, log, id);
   }
   std::unique_ptr<Transport> MakeSubscriber(TransportListener& listener, Log& log, SessionId id) override {
-    ZmqOptions options = Options(id);
+    ZmqOptions options;
     options.subscribe = {{subscribe_at_, std::nullopt, {}}};
-    return MakeZmqTransport(std::move(options), listener, log);
+    return Make(std::move(options), listener, log, id);
   }
 
  protected:
   std::string publish_at_;
   std::string subscribe_at_;
+
+ private:
+  static std::unique_ptr<Transport> Make(ZmqOptions options, TransportListener& listener, Log& log, SessionId id) {
+    options.session = id;
+    options.process = "conformance";
+    options.heartbeat = std::chrono::milliseconds(100);
+    options.peer_timeout = std::chrono::milliseconds(8000);
+    return MakeZmqTransport(std::move(options), listener, log);
+  }
 };
 
 class IpcWorld : public ZmqWorld {
  public:
-  IpcWorld() {
-    std::string folder = std::filesystem::temp_directory_path() / "hgros-XXXXXX";
-    folder_ = mkdtemp(folder.data());
-    publish_at_ = subscribe_at_ = "ipc://" + folder_ + "/socket";
-  }
-  ~IpcWorld() override { std::filesystem::remove_all(folder_); }
+  IpcWorld() { publish_at_ = subscribe_at_ = folder_.Ipc(); }
 
  private:
-  std::string folder_;
+  const test::ScratchFolder folder_;
 };
 
 class TcpWorld : public ZmqWorld {
  public:
-  TcpWorld() : ZmqWorld() {
+  TcpWorld() {
     const std::uint16_t port = test::FreePort();
     publish_at_ = "tcp://127.0.0.1:" + std::to_string(port);
     forwarder_ = std::make_unique<TcpForwarder>(port);
