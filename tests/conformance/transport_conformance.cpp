@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "support/await.hpp"
-
 namespace hgros::conformance {
 namespace {
 
@@ -21,12 +19,6 @@ std::string SchemaIn() {
 
 }  // namespace
 
-bool Eventually(const std::function<bool()>& done) { return test::Await(done); }
-
-void Listener::OnPeerCame(const PeerInfo&) noexcept { ++came; }
-void Listener::OnPeerGone(const PeerInfo&, std::string_view) noexcept { ++gone; }
-void Listener::OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept { ++mismatches; }
-
 Session::Session(World& world, Role role, SessionId session) : id(session) {
   transport =
       role == Role::kPublisher ? world.MakePublisher(listener, log, id) : world.MakeSubscriber(listener, log, id);
@@ -40,32 +32,12 @@ std::vector<std::string> KeptLog::Lines(std::string_view text) const {
   return found;
 }
 
-void KeptLog::Forget() {
-  const std::scoped_lock lock(mutex_);
-  lines_.clear();
-}
-
-std::vector<OutboundMessage> Source::Latched(SessionId /*subscriber*/) noexcept {
-  ++latched_calls;
-  const std::scoped_lock lock(mutex);
-  return latched;
-}
-
-void Source::Latch(OutboundMessage message) {
-  const std::scoped_lock lock(mutex);
-  latched.push_back(std::move(message));
-}
-
 Publication::Publication(Session& session, std::string name, const TypeInfo& message_type)
     : Publication(*session.transport, std::move(name), message_type, session.id) {}
 
 Publication::Publication(Transport& transport, std::string name, const TypeInfo& message_type, SessionId session)
     : channel_name(std::move(name)), type(message_type), id{session.value, ++incarnations, 0} {
   channel = transport.Advertise(channel_name, type, source);
-}
-
-bool Publication::Joined(std::size_t subscribers) const {
-  return Eventually([&] { return channel->subscriber_count() == subscribers; });
 }
 
 PacketHead Publication::NextHead() {
@@ -81,11 +53,6 @@ PacketHead Publication::NextHead() {
   return head;
 }
 
-Payload Publication::PayloadOf(const std::string& text) {
-  auto owner = std::make_shared<const std::string>(text);
-  return {AsBytes(*owner), owner};
-}
-
 PublishStatus Publication::Publish(const std::string& text) {
   const auto status = channel->Reserve();
   if (status != PublishStatus::kOk) return status;
@@ -94,10 +61,6 @@ PublishStatus Publication::Publish(const std::string& text) {
   const std::scoped_lock lock(in_order);
   channel->Commit(NextHead(), PayloadOf(text));
   return status;
-}
-
-bool Publication::PublishSoon(const std::string& text) {
-  return Eventually([&] { return Publish(text) == PublishStatus::kOk; });
 }
 
 Accepted Sink::Accept(InboundMessage&& message) noexcept {
@@ -110,31 +73,9 @@ Accepted Sink::Accept(InboundMessage&& message) noexcept {
     schemas.push_back(message.schema);
     if (hold_credit) credits_.push_back(std::move(message.credit));
   }
+  if (on_accept) on_accept();
   --inside;
   return answer;
-}
-
-void Sink::OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept {
-  const std::scoped_lock lock(mutex_);
-  offers[from.id.value] = schema;
-  offered = offers.size();
-}
-
-void Sink::Run() noexcept {
-  if (on_run) on_run();
-  ++runs;
-}
-
-void Sink::OnFault(PacketFault, std::string_view) noexcept { ++faults; }
-
-std::vector<std::string> Sink::texts() const {
-  const std::scoped_lock lock(mutex_);
-  return texts_;
-}
-
-std::size_t Sink::count() const {
-  const std::scoped_lock lock(mutex_);
-  return texts_.size();
 }
 
 void Sink::Release(std::size_t count) {
@@ -146,9 +87,8 @@ void Sink::Release(std::size_t count) {
   }
 }
 
-Reception::Reception(Transport& transport, const std::string& name, const TypeInfo& message_type, const Demand& demand,
-                     const std::function<void(Sink&)>& prepare)
-    : type(message_type) {
+Reception::Reception(Transport& transport, const std::string& name, const TypeInfo& type, const Demand& demand,
+                     const std::function<void(Sink&)>& prepare) {
   if (prepare) prepare(sink);
   channel = transport.Subscribe(name, type, demand, sink);
 }
@@ -201,7 +141,11 @@ void TransportConformance::Meet() {
 
 void TransportConformance::Offer(const TypeInfo& type) {
   Meet();
-  out.emplace(*a, "scan", type);
+  out.emplace(*a, "scan", types.emplace_back(type));
+}
+
+void TransportConformance::Ask(const TypeInfo& type, const Demand& demand) {
+  in.emplace(*b, "scan", types.emplace_back(type), demand);
 }
 
 bool TransportConformance::Join(const Demand& demand, const std::function<void(Sink&)>& prepare) {

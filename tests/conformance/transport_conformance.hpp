@@ -20,11 +20,11 @@
 #include "hgros/base/log.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/transport/transport.hpp"
+#include "support/await.hpp"
 
 namespace hgros::conformance {
 
-/// Waits until `done()`, at most ten seconds (more under a sanitizer). Returns the last answer.
-bool Eventually(const std::function<bool()>& done);
+inline bool Eventually(const std::function<bool()>& done) { return test::Await(done); }
 
 /// Stalls and cuts the connection between two sessions. Only transports that have such a connection offer it.
 class Cable {
@@ -59,9 +59,9 @@ struct TransportCase {
 /// Keeps everything that the transport reports.
 class Listener : public TransportListener {
  public:
-  void OnPeerCame(const PeerInfo& peer) noexcept override;
-  void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept override;
-  void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept override;
+  void OnPeerCame(const PeerInfo&) noexcept override { ++came; }
+  void OnPeerGone(const PeerInfo&, std::string_view) noexcept override { ++gone; }
+  void OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept override { ++mismatches; }
 
   std::atomic<int> came{0};
   std::atomic<int> gone{0};
@@ -75,16 +75,20 @@ class KeptLog {
   [[nodiscard]] std::vector<std::string> Lines(std::string_view text = {}) const;
   [[nodiscard]] std::ptrdiff_t TimesSaid(std::string_view text) const { return std::ssize(Lines(text)); }
   [[nodiscard]] bool Said(std::string_view text) const { return TimesSaid(text) > 0; }
-  void Forget();
-
-  Log log{[this](LogLevel, std::string_view text) {
+  void Forget() {
     const std::scoped_lock lock(mutex_);
-    lines_.emplace_back(text);
-  }};
+    lines_.clear();
+  }
 
  private:
   mutable std::mutex mutex_;
   std::vector<std::string> lines_;
+
+ public:
+  Log log{[this](LogLevel, std::string_view text) {
+    const std::scoped_lock lock(mutex_);
+    lines_.emplace_back(text);
+  }};
 };
 
 /// A session of a test.
@@ -100,11 +104,17 @@ struct Session : KeptLog {
 /// The publishing side of a channel: numbers messages, counts calls.
 class Source : public OutboundSource {
  public:
-  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override;
+  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override {
+    ++latched_calls;
+    const std::scoped_lock lock(mutex);
+    return latched;
+  }
   void OnRoom() noexcept override { ++rooms; }
   void OnSubscribers(std::size_t count) noexcept override { subscribers = count; }
-
-  void Latch(OutboundMessage message);
+  void Latch(OutboundMessage message) {
+    const std::scoped_lock lock(mutex);
+    latched.push_back(std::move(message));
+  }
 
   std::mutex mutex;
   std::vector<OutboundMessage> latched;  // Guarded by mutex.
@@ -122,16 +132,23 @@ class Publication {
   /// Its messages have the id of the session; without one, none.
   Publication(Transport& transport, std::string channel, const TypeInfo& type = TextType(), SessionId session = {});
   /// True if it has so many subscribers in time.
-  [[nodiscard]] bool Joined(std::size_t subscribers = 1) const;
+  [[nodiscard]] bool Joined(std::size_t subscribers = 1) const {
+    return Eventually([&] { return channel->subscriber_count() == subscribers; });
+  }
   /// Reserves and commits; only kOk uses up a number.
   PublishStatus Publish(const std::string& text);
   /// Publishes until the message is accepted; false at the deadline.
-  bool PublishSoon(const std::string& text);
+  bool PublishSoon(const std::string& text) {
+    return Eventually([&] { return Publish(text) == PublishStatus::kOk; });
+  }
   [[nodiscard]] PacketHead NextHead();
-  [[nodiscard]] static Payload PayloadOf(const std::string& text);
+  [[nodiscard]] static Payload PayloadOf(const std::string& text) {
+    auto owner = std::make_shared<const std::string>(text);
+    return {AsBytes(*owner), owner};
+  }
 
   std::string channel_name;
-  const TypeInfo type;
+  const TypeInfo& type;
   const MessageId id;  // The session's id, with another incarnation for each publication.
   std::atomic<std::uint64_t> sequence{0};
   std::mutex in_order;
@@ -143,18 +160,31 @@ class Publication {
 class Sink : public InboundSink {
  public:
   Accepted Accept(InboundMessage&& message) noexcept override;
-  void Run() noexcept override;
-  void OnFault(PacketFault fault, std::string_view what) noexcept override;
+  void Run() noexcept override {
+    if (on_run) on_run();
+    ++runs;
+  }
+  void OnFault(PacketFault, std::string_view) noexcept override { ++faults; }
   void OnPublishers(std::size_t count) noexcept override { publishers = count; }
-  void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override;
+  void OnOffer(const PeerInfo& from, const std::shared_ptr<const MessageSchema>& schema) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    offers[from.id.value] = schema;
+    offered = offers.size();
+  }
 
-  [[nodiscard]] std::vector<std::string> texts() const;
-  [[nodiscard]] std::size_t count() const;
+  [[nodiscard]] std::vector<std::string> texts() const {
+    const std::scoped_lock lock(mutex_);
+    return texts_;
+  }
+  [[nodiscard]] std::size_t count() const {
+    const std::scoped_lock lock(mutex_);
+    return texts_.size();
+  }
   /// Returns the credit of the oldest `count` messages that still hold it.
   void Release(std::size_t count);
 
   std::atomic<Accepted> answer = Accepted::kNothing;
-  std::function<void()> on_run;
+  std::function<void()> on_accept, on_run;
   std::atomic<bool> hold_credit{false};
   std::atomic<int> runs{0};
   std::atomic<int> inside{0};
@@ -174,15 +204,16 @@ class Sink : public InboundSink {
   std::deque<std::shared_ptr<const void>> credits_;
 };
 
+inline void HoldCredit(Sink& sink) { sink.hold_credit = true; }
+
 class Reception {
  public:
   /// `prepare` sets up the sink before anything can reach it.
-  Reception(Session& session, const std::string& channel, const TypeInfo& type = TextType(), const Demand& demand = {},
+  Reception(Session& session, const std::string& name, const TypeInfo& type = TextType(), const Demand& demand = {},
             const std::function<void(Sink&)>& prepare = {})
-      : Reception(*session.transport, channel, type, demand, prepare) {}
-  Reception(Transport& transport, const std::string& channel, const TypeInfo& type = TextType(),
-            const Demand& demand = {}, const std::function<void(Sink&)>& prepare = {});
-  const TypeInfo type;
+      : Reception(*session.transport, name, type, demand, prepare) {}
+  Reception(Transport& transport, const std::string& name, const TypeInfo& type = TextType(), const Demand& demand = {},
+            const std::function<void(Sink&)>& prepare = {});
   Sink sink;
   std::unique_ptr<InboundChannel> channel;
 };
@@ -200,10 +231,12 @@ class TransportConformance : public testing::TestWithParam<TransportCase> {
   /// Session b may subscribe to what session a publishes.
   void Meet();
   void Offer(const TypeInfo& type = TextType());
-  /// It subscribes. False if that takes too long.
+  void Ask(const TypeInfo& type, const Demand& demand = {});
+  /// All of these. False if that takes too long.
   [[nodiscard]] bool Join(const Demand& demand = kLossless, const std::function<void(Sink&)>& prepare = {});
 
   std::unique_ptr<World> world;
+  std::deque<TypeInfo> types;
   std::optional<Session> a;
   std::optional<Session> b;
   std::optional<Publication> out;

@@ -39,7 +39,7 @@ TEST_P(TransportConformance, ASubscriberMayRestartWithTheSameSessionId) {
 }
 
 TEST_P(TransportConformance, ALosslessSubscriberThatLeavesGivesItsCreditBack) {
-  ASSERT_TRUE(Join(kLossless, [](Sink& sink) { sink.hold_credit = true; }));
+  ASSERT_TRUE(Join(kLossless, HoldCredit));
   for (int i = 0; i < 8; ++i) ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
   ASSERT_EQ(out->Publish("x"), PublishStatus::kFull);
   b->transport->Close(0);
@@ -131,21 +131,21 @@ TEST_P(TransportConformance, ConcurrentPublishersKeepEachThreadsOrder) {
 TEST_P(TransportConformance, SeveralChannelsAlternateWithoutPause) {
   Meet();
   constexpr int kChannels = 8;
-  std::vector<std::unique_ptr<Publication>> all_out;
-  std::vector<std::unique_ptr<Reception>> all_in;
+  std::deque<Publication> all_out;
+  std::deque<Reception> all_in;
   for (int c = 0; c < kChannels; ++c) {
-    all_out->push_back(std::make_unique<Publication>(*a, "channel" + std::to_string(c)));
-    all_in->push_back(std::make_unique<Reception>(*b, "channel" + std::to_string(c), TextType(), kLossless));
-    all_in->back()->sink.answer = c % 2 == 0 ? Accepted::kRunApart : Accepted::kRunHere;
+    all_out.emplace_back(*a, "channel" + std::to_string(c));
+    all_in.emplace_back(*b, "channel" + std::to_string(c), TextType(), kLossless);
+    all_in.back().sink.answer = c % 2 == 0 ? Accepted::kRunApart : Accepted::kRunHere;
   }
-  for (const auto& publication : all_out) ASSERT_TRUE(publication->Joined());
+  for (const auto& publication : all_out) ASSERT_TRUE(publication.Joined());
   for (int i = 0; i < 300; ++i) {
-    for (const auto& publication : all_out) ASSERT_TRUE(publication->PublishSoon(std::to_string(i)));
+    for (auto& publication : all_out) ASSERT_TRUE(publication.PublishSoon(std::to_string(i)));
   }
   for (const auto& reception : all_in) {
-    ASSERT_TRUE(Eventually([&] { return reception->sink.count() == 300 && reception->sink.runs == 300; }));
-    EXPECT_FALSE(reception->sink.overlapped);
-    for (int i = 0; i < 300; ++i) EXPECT_EQ(reception->sink.texts()[static_cast<std::size_t>(i)], std::to_string(i));
+    ASSERT_TRUE(Eventually([&] { return reception.sink.count() == 300 && reception.sink.runs == 300; }));
+    EXPECT_FALSE(reception.sink.overlapped);
+    for (int i = 0; i < 300; ++i) EXPECT_EQ(reception.sink.texts()[static_cast<std::size_t>(i)], std::to_string(i));
   }
 }
 

@@ -2,13 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <condition_variable>
-#include <functional>
-#include <memory>
-#include <mutex>
 #include <queue>
-#include <thread>
 
 #include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
@@ -122,13 +116,17 @@ class QueueForFirst : public SilentQueue {
   std::condition_variable first;
 };
 
+/// A pool that has started.
+struct Pool : LeaderPool {
+  explicit Pool(Input& input) : LeaderPool(input) { Start(); }
+};
+
 // Far beyond the time that a test may take: it hangs if nothing ends the visit.
 std::chrono::steady_clock::time_point Never() { return std::chrono::steady_clock::now() + std::chrono::hours(1); }
 
 TEST(LeaderPool, RunsEveryTaskOnceWithOneLeaderAtATime) {
   Queue queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   std::atomic<int> ran{0};
   for (int i = 0; i < 2000; ++i) queue.Put([&] { ++ran; });
   EXPECT_TRUE(Eventually([&] { return ran == 2000; }));
@@ -137,35 +135,26 @@ TEST(LeaderPool, RunsEveryTaskOnceWithOneLeaderAtATime) {
 
 TEST(LeaderPool, RunsFurtherTasksWhileOthersBlock) {
   Queue queue;
-  LeaderPool pool(queue);
-  pool.Start();
-  std::mutex mutex;
-  std::condition_variable go;
-  bool open = false;
+  test::Door door;
+  Pool pool(queue);
   std::atomic<int> blocked{0}, ran{0};
   for (int i = 0; i < 8; ++i) {
     queue.Put([&] {
-      std::unique_lock lock(mutex);
       ++blocked;
-      go.wait(lock, [&] { return open; });
+      door.Pass();
     });
   }
   queue.Put([&] { ++ran; });
   EXPECT_TRUE(Eventually([&] { return ran == 1 && blocked == 8; }));
   EXPECT_GE(pool.thread_count(), 9u);
-  {
-    const std::scoped_lock lock(mutex);
-    open = true;
-  }
-  go.notify_all();
+  door.Open();
 }
 
 TEST(LeaderPool, StopWaitsForRunningTasks) {
   Queue queue;
   std::atomic<bool> started{false}, ended{false};
   {
-    LeaderPool pool(queue);
-    pool.Start();
+    Pool pool(queue);
     queue.Put([&] {
       started = true;
       test::Linger(std::chrono::milliseconds(20));
@@ -178,8 +167,7 @@ TEST(LeaderPool, StopWaitsForRunningTasks) {
 
 TEST(LeaderPool, MayBeDestroyedByItsOwnTask) {
   Queue queue;
-  auto pool = std::make_unique<LeaderPool>(queue);
-  pool->Start();
+  auto pool = std::make_unique<Pool>(queue);
   std::atomic<bool> destroyed{false};
   queue.Put([&] {
     pool.reset();
@@ -190,8 +178,7 @@ TEST(LeaderPool, MayBeDestroyedByItsOwnTask) {
 
 TEST(LeaderPool, VisitorReadsTasksAndPoolThreadsRunThem) {
   SilentQueue queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   std::atomic<int> ran{0};
   std::atomic<bool> ran_here{false};
   const auto visitor = std::this_thread::get_id();
@@ -217,8 +204,7 @@ TEST(LeaderPool, VisitorReadsTasksAndPoolThreadsRunThem) {
 
 TEST(LeaderPool, TasksReadByAVisitorRunWhileOthersBlock) {
   SilentQueue queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   test::Door door;
   std::atomic<int> blocked{0};
   std::atomic<bool> ran{false};
@@ -237,8 +223,7 @@ TEST(LeaderPool, TasksReadByAVisitorRunWhileOthersBlock) {
 
 TEST(LeaderPool, VisitEndsAtItsDeadline) {
   SilentQueue queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(2);
   pool.Receive({.done = [] { return false; }, .until = until});
   EXPECT_GE(std::chrono::steady_clock::now(), until);
@@ -249,8 +234,7 @@ TEST(LeaderPool, VisitEndsAtItsDeadline) {
 
 TEST(LeaderPool, HasOneVisitorAtATimeAndStopWaitsForIt) {
   SilentQueue queue;
-  auto pool = std::make_unique<LeaderPool>(queue);
-  pool->Start();
+  auto pool = std::make_unique<Pool>(queue);
   std::atomic<bool> inside{false}, leave{false};
   std::jthread visitor([&] {
     const auto told_to_leave = [&] {
@@ -277,8 +261,7 @@ TEST(LeaderPool, HasOneVisitorAtATimeAndStopWaitsForIt) {
 
 TEST(LeaderPool, AThreadThatReceivesHereRunsTheTasksThatItReads) {
   QueueForFirst queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   ASSERT_TRUE(Eventually([&] { return queue.waiting == 2; }));
   std::atomic<int> ran{0}, elsewhere{0};
   std::atomic<bool> received{false};
@@ -304,8 +287,7 @@ TEST(LeaderPool, AThreadThatReceivesHereRunsTheTasksThatItReads) {
 TEST(LeaderPool, ATaskOfReceivingHereMayLeaveTheRestToAnotherThread) {
   EXPECT_FALSE(Transport::LeaveRest());
   QueueForFirst queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   ASSERT_TRUE(Eventually([&] { return queue.waiting == 2; }));
   std::atomic<int> here{0}, elsewhere{0};
   std::atomic<bool> received{false};
@@ -329,8 +311,7 @@ TEST(LeaderPool, ATaskOfReceivingHereMayLeaveTheRestToAnotherThread) {
 
 TEST(LeaderPool, ReceivingHereEndsAtItsDeadlineWhenWokenAndAfterASignal) {
   QueueForFirst queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(2);
   EXPECT_TRUE(pool.ReceiveHere({.done = [] { return false; }, .until = until}));
   EXPECT_GE(std::chrono::steady_clock::now(), until);
@@ -364,8 +345,7 @@ TEST(LeaderPool, ReceivingHereEndsAtItsDeadlineWhenWokenAndAfterASignal) {
 TEST(LeaderPool, StopEndsReceivingHereAlsoInItsOwnTask) {
   for (const bool in_task : {false, true}) {
     QueueForFirst queue;
-    auto pool = std::make_unique<LeaderPool>(queue);
-    pool->Start();
+    auto pool = std::make_unique<Pool>(queue);
     std::atomic<bool> inside{false}, ended{false};
     std::jthread receiver([&] {
       const auto never = [&] {
@@ -390,8 +370,7 @@ TEST(LeaderPool, StopEndsReceivingHereAlsoInItsOwnTask) {
 
 TEST(LeaderPool, AThreadThatReceivesHereRunsWhatAVisitorHasHandedOver) {
   QueueForFirst queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   test::Door door;
   std::atomic<int> ran{0};
   for (int i = 0; i < 2; ++i) {
@@ -432,8 +411,7 @@ class HeldUpQueue : public QueueForFirst {
 
 TEST(LeaderPool, AThreadThatReceivesHereHasItsTurnAfterTheLastThreadOfThePool) {
   HeldUpQueue queue;
-  LeaderPool pool(queue);
-  pool.Start();
+  Pool pool(queue);
   ASSERT_TRUE(Eventually([&] { return queue.waiting == 2; }));
   test::Door busy;
   std::atomic<bool> began{false};

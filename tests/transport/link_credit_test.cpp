@@ -21,6 +21,11 @@ struct Link {
     return woken;
   }
 
+  void Admit(int messages) {
+    for (int i = 0; i < messages; ++i) tokens.push_back(credit->AdmitMessage(1));
+  }
+
+  std::vector<std::shared_ptr<const void>> tokens;
   std::shared_ptr<Waker> waker = std::make_shared<Waker>();
   std::shared_ptr<DueCredits> due = std::make_shared<DueCredits>(waker);
   std::shared_ptr<LinkCredit> credit;
@@ -29,11 +34,10 @@ struct Link {
 TEST(LinkCredit, WakesWhenAQuarterOfTheWindowWasConsumed) {
   Link link(16, 1 << 20);
   const auto& credit = link.credit;
-  std::vector<std::shared_ptr<const void>> tokens;
-  for (int i = 0; i < 8; ++i) tokens.push_back(credit->AdmitMessage(1));
-  for (int i = 0; i < 3; ++i) tokens.pop_back();
+  link.Admit(8);
+  link.tokens.resize(5);
   EXPECT_FALSE(link.Woken());
-  tokens.pop_back();
+  link.tokens.pop_back();
   EXPECT_TRUE(link.Woken());
   EXPECT_EQ(link.due->Take(), credit);
   credit->OnTaken();
@@ -53,20 +57,17 @@ TEST(LinkCredit, CountsWithoutAListOfDueCredits) {
 
 TEST(LinkCredit, WakesForTheFirstMessageWhenThePublisherHasUsedUpItsCredit) {
   Link link(16, 1 << 20);
-  const auto& credit = link.credit;
-  std::vector<std::shared_ptr<const void>> tokens;
-  for (int i = 0; i < 16; ++i) tokens.push_back(credit->AdmitMessage(1));
-  tokens.pop_back();
+  link.Admit(16);
+  link.tokens.pop_back();
   EXPECT_TRUE(link.Woken());
 }
 
 TEST(LinkCredit, IsDueWithoutAWakeUpWhenTheLastCreditIsUsedUp) {
   Link link(16, 1 << 20);
-  std::vector<std::shared_ptr<const void>> tokens;
-  for (int i = 0; i < 15; ++i) tokens.push_back(link.credit->AdmitMessage(1));
-  tokens.pop_back();
+  link.Admit(15);
+  link.tokens.pop_back();
   EXPECT_TRUE(link.due->empty());
-  tokens.push_back(link.credit->AdmitMessage(1));
+  link.Admit(1);
   link.credit->OnReceived();
   EXPECT_FALSE(link.Woken());
   EXPECT_EQ(link.due->Take(), link.credit);
@@ -94,9 +95,7 @@ TEST(LinkCredit, IsNotTakenAfterItsEnd) {
 
 TEST(LinkCredit, CountsBytesLikeMessages) {
   Link link(1000, 100);
-  const auto& credit = link.credit;
-  auto token = credit->AdmitMessage(30);
-  token.reset();
+  (void)link.credit->AdmitMessage(30);  // Consumed at once.
   EXPECT_TRUE(link.Woken());
 }
 
@@ -104,13 +103,12 @@ TEST(LinkCredit, ShrunkWindowStillAdmitsMessagesUpToTheWidestWindow) {
   Link link(4, 1 << 20);
   const auto& credit = link.credit;
   credit->SetWindow(2, 1 << 20);
-  std::vector<std::shared_ptr<const void>> tokens;
-  for (int i = 0; i < 2; ++i) tokens.push_back(credit->AdmitMessage(1));
+  link.Admit(2);
   EXPECT_FALSE(credit->HasRoomNow());
   EXPECT_TRUE(credit->HasRoom());
-  for (int i = 0; i < 2; ++i) tokens.push_back(credit->AdmitMessage(1));
+  link.Admit(2);
   EXPECT_FALSE(credit->HasRoom());
-  tokens.clear();
+  link.tokens.clear();
   EXPECT_TRUE(credit->HasRoomNow());
 }
 

@@ -17,20 +17,10 @@ PeerChannel::Dropped nowhere;
 
 PendingMessage Make(std::uint64_t sequence, std::uint64_t bytes = 10) { return {nullptr, {1, 1, sequence}, bytes}; }
 
-TEST(PeerChannel, SendsNothingBeforeItHasBegun) {
-  PeerChannel channel(Granted({}));
-  channel.Push(Make(1));
-  EXPECT_FALSE(channel.Pop());
-  channel.Begin({});
-  ASSERT_TRUE(channel.Pop());
-  EXPECT_EQ(channel.sent(), 1u);
-}
-
 TEST(PeerChannel, HoldsUpAPublisherIfItConfirmsNothingForLong) {
   using std::chrono::seconds;
   const std::chrono::steady_clock::time_point start{};
   PeerChannel channel(Granted({.lossless = true, .credit_messages = 2}));
-  PeerChannel::Dropped dropped;
   channel.Begin({});
   EXPECT_FALSE(channel.HoldsUp(true, start));
   EXPECT_FALSE(channel.HoldsUp(true, start + seconds(20))) << "it has room";
@@ -40,7 +30,7 @@ TEST(PeerChannel, HoldsUpAPublisherIfItConfirmsNothingForLong) {
   }
   EXPECT_FALSE(channel.HoldsUp(true, start + seconds(21)));
   EXPECT_FALSE(channel.HoldsUp(true, start + seconds(30)));
-  ASSERT_TRUE(channel.Confirm(1, 10, dropped));
+  ASSERT_TRUE(channel.Confirm(1, 10, nowhere));
   channel.Push(Make(3));
   ASSERT_TRUE(channel.Pop());
   EXPECT_FALSE(channel.HoldsUp(true, start + seconds(31))) << "it is slow, but takes messages";
@@ -66,14 +56,6 @@ TEST(PeerChannel, SendsLatchedMessagesFirstAndLosesOrRepeatsNoWaitingOnes) {
   channel.Push(Make(5));
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{2, 3, 4, 5}));
   EXPECT_EQ(channel.waiting_bytes(), 0u);
-}
-
-TEST(PeerChannel, SendsAMessageOnceIfItIsLatchedBeforeItIsCommitted) {
-  PeerChannel channel(Granted({}));
-  channel.Begin({Make(4)});
-  channel.Push(Make(4));
-  channel.Push(Make(5));
-  EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{4, 5}));
 }
 
 TEST(PeerChannel, IgnoresImpossibleCounts) {
@@ -128,28 +110,12 @@ TEST(PeerChannel, WindowIncludesMessagesSentBeforeTheLinkBecameLossless) {
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{3, 4}));
 }
 
-TEST(PeerChannel, ReturnsConfirmedAndDroppedMessagesToTheCaller) {
-  PeerChannel::Dropped dropped;
-  PeerChannel lossless(Granted({.lossless = true}));
-  lossless.Begin({});
-  lossless.Push(Make(1));
-  ASSERT_TRUE(lossless.Pop());
-  ASSERT_TRUE(lossless.Confirm(1, 10, dropped));
-  EXPECT_EQ(dropped.size(), 1u);
-  PeerChannel keep_last(Granted({.queue_depth = 1}));
-  keep_last.Begin({});
-  keep_last.Push(Make(1));
-  keep_last.Push(Make(2));
-  EXPECT_EQ(keep_last.Trim(~std::uint64_t{0}, dropped), 1u);
-  EXPECT_EQ(dropped.size(), 2u);
-}
-
-TEST(PeerChannel, DropsNothingBeyondItsDepthBeforeItHasBegun) {
+TEST(PeerChannel, SendsAndDropsNothingBeforeItHasBegun) {
   PeerChannel channel(Granted({.queue_depth = 1}));
-  PeerChannel::Dropped dropped;
   for (std::uint64_t i = 1; i <= 3; ++i) {
     channel.Push(Make(i));
-    EXPECT_EQ(channel.Trim(~std::uint64_t{0}, dropped), 0u);
+    EXPECT_EQ(channel.Trim(~std::uint64_t{0}, nowhere), 0u);
+    EXPECT_FALSE(channel.Pop());
   }
   channel.Begin({});
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{1, 2, 3}));

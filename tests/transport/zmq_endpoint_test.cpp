@@ -6,15 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <memory>
-#include <optional>
 
-#include "hgros/base/error.hpp"
 #include "support/await.hpp"
+#include "support/error_of.hpp"
 #include "support/few_descriptors.hpp"
 #include "transport/zmq/endpoint.hpp"
 #include "transport/zmq/socket.hpp"
@@ -24,75 +19,62 @@ namespace hgros {
 namespace {
 
 using conformance::Eventually;
+using conformance::Publication;
+using conformance::Reception;
 using conformance::TextType;
+using test::ErrorOf;
 using test::Folder;
+using test::IsReached;
 using test::Place;
 using test::PublishAt;
 using test::SubscribeAt;
-
-std::string ErrorOf(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
 
 TEST(ZmqEndpoint, AnIpcPathInUseIsNotStolen) {
   Folder folder;
   const Place first(PublishAt(folder.Ipc()));
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(folder.Ipc())); }), testing::HasSubstr(folder.Ipc()));
-  Place subscriber(SubscribeAt(folder.Ipc()));
-  EXPECT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
+  EXPECT_TRUE(IsReached(folder.Ipc()));
+}
+
+/// Leaves a socket in the folder. Its descriptor.
+int BindIn(const Folder& folder, int kind) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  (folder / "socket").string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const int fd = socket(AF_UNIX, kind | SOCK_CLOEXEC, 0);
+  EXPECT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  return fd;
 }
 
 TEST(ZmqEndpoint, ASocketOfAnotherKindAtAnIpcPathStays) {
   for (const int kind : {SOCK_DGRAM, SOCK_SEQPACKET}) {
     Folder folder;
-    const std::string endpoint = folder.Ipc();
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, endpoint.c_str() + 6, sizeof address.sun_path - 1);
-    const int other = socket(AF_UNIX, kind | SOCK_CLOEXEC, 0);
-    ASSERT_EQ(bind(other, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    if (kind == SOCK_SEQPACKET) {
-      ASSERT_EQ(listen(other, 1), 0);
-    }
-    EXPECT_THAT(ErrorOf([&] { const Place publisher(PublishAt(endpoint)); }), testing::HasSubstr("another program"));
-    EXPECT_TRUE(std::filesystem::is_socket(address.sun_path));
+    const int other = BindIn(folder, kind);
+    ASSERT_TRUE(kind == SOCK_DGRAM || listen(other, 1) == 0);
+    EXPECT_THAT(ErrorOf([&] { const Place publisher(PublishAt(folder.Ipc())); }),
+                testing::HasSubstr("another program"));
+    EXPECT_TRUE(std::filesystem::is_socket(folder / "socket"));
     close(other);
   }
 }
 
 TEST(ZmqEndpoint, AFileAtAnIpcPathStays) {
   Folder folder;
-  const std::string endpoint = folder.Ipc();
-  const std::string path = endpoint.substr(std::string("ipc://").size());
-  std::ofstream(path) << "precious";
-  EXPECT_THAT(ErrorOf([&] { const Place publisher(PublishAt(endpoint)); }), testing::HasSubstr("not a socket"));
-  std::ifstream file(path);
-  std::string text;
-  file >> text;
-  EXPECT_EQ(text, "precious");
+  folder.Write("socket", "precious");
+  EXPECT_THAT(ErrorOf([&] { const Place publisher(PublishAt(folder.Ipc())); }), testing::HasSubstr("not a socket"));
+  EXPECT_EQ(folder.Read("socket"), "precious");
 }
 
 TEST(ZmqEndpoint, AnIpcPathOfADeadProcessIsTakenOver) {
   Folder folder;
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strcpy(address.sun_path, (folder.path() + "/socket").c_str());
-  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  ASSERT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  close(fd);
+  close(BindIn(folder, SOCK_STREAM));
   const Place publisher(PublishAt(folder.Ipc()));
-  Place subscriber(SubscribeAt(folder.Ipc()));
-  EXPECT_TRUE(Eventually([&] { return subscriber.listener.came == 1; }));
+  EXPECT_TRUE(IsReached(folder.Ipc()));
 }
 
 TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheFix) {
-  const Place first(PublishAt("tcp://127.0.0.1:*"));
-  const std::string taken = first.transport->BoundEndpoints().front();
+  const Place first(PublishAt());
+  const std::string taken = first.Bound();
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt(taken)); }),
               testing::AllOf(testing::HasSubstr(taken), testing::HasSubstr("another port")));
   EXPECT_THAT(ErrorOf([&] { Place second(PublishAt("ipc:///tmp/" + std::string(200, 'x'))); }),
@@ -104,7 +86,7 @@ TEST(ZmqEndpoint, ErrorsNameTheEndpointAndTheFix) {
 
 TEST(ZmqEndpoint, IsTcpWithoutAScheme) {
   const Place publisher(PublishAt("127.0.0.1:*"));
-  EXPECT_THAT(publisher.transport->BoundEndpoints().front(), testing::StartsWith("tcp://127.0.0.1:"));
+  EXPECT_THAT(publisher.Bound(), testing::StartsWith("tcp://127.0.0.1:"));
 }
 
 bool HasIp6() {
@@ -121,14 +103,13 @@ TEST(ZmqEndpoint, MayHaveAnIp6Address) {
   if (!HasIp6()) GTEST_SKIP() << "no IPv6 here";
   for (const std::string address : {"[::1]", "[::]"}) {
     const Place publisher(PublishAt("tcp://" + address + ":*"));
-    const std::string bound = publisher.transport->BoundEndpoints().front();
+    const std::string bound = publisher.Bound();
     EXPECT_THAT(bound, testing::StartsWith("tcp://" + address + ":"));
     const std::string port = bound.substr(bound.rfind(':'));
     const Place subscriber(SubscribeAt("tcp://[::1]" + port));
     EXPECT_TRUE(test::Await([&] { return subscriber.listener.came == 1 && publisher.listener.came == 1; })) << address;
     if (address != "[::]") continue;
-    const Place other(SubscribeAt("tcp://127.0.0.1" + port));
-    EXPECT_TRUE(test::Await([&] { return other.listener.came == 1; })) << "all addresses, those of IPv4, too";
+    EXPECT_TRUE(IsReached("tcp://127.0.0.1" + port)) << "all addresses, those of IPv4, too";
   }
 }
 
@@ -138,38 +119,33 @@ TEST(ZmqEndpoint, ChannelListsLimitChannelsAndMayChangeWhileRunning) {
   options.publish[0].channels = std::vector<std::string>{"open"};
   Place a(std::move(options));
   Place b(SubscribeAt(folder.Ipc()));
-  conformance::Source source;
-  conformance::Sink open_sink, closed_sink;
-  const auto open_out = a.transport->Advertise("open", TextType(), source);
-  const auto closed_out = a.transport->Advertise("closed", TextType(), source);
-  const auto open_in = b.transport->Subscribe("open", TextType(), {}, open_sink);
-  const auto closed_in = b.transport->Subscribe("closed", TextType(), {}, closed_sink);
-  ASSERT_TRUE(Eventually([&] { return open_out->subscriber_count() == 1; }));
-  EXPECT_EQ(closed_out->subscriber_count(), 0u);
+  const Publication open_out(*a.transport, "open"), closed_out(*a.transport, "closed");
+  const Reception open_in(*b.transport, "open"), closed_in(*b.transport, "closed");
+  ASSERT_TRUE(open_out.Joined());
+  EXPECT_EQ(closed_out.channel->subscriber_count(), 0u);
   a.transport->SetPublishChannels(folder.Ipc(), std::vector<std::string>{"closed"});
-  ASSERT_TRUE(Eventually([&] { return closed_in->publisher_count() == 1 && open_in->publisher_count() == 0; }));
-  EXPECT_EQ(open_out->subscriber_count(), 0u);
+  ASSERT_TRUE(
+      Eventually([&] { return closed_in.channel->publisher_count() == 1 && open_in.channel->publisher_count() == 0; }));
+  EXPECT_EQ(open_out.channel->subscriber_count(), 0u);
   b.transport->SetSubscribeChannels(folder.Ipc(), std::vector<std::string>{"open"});
-  ASSERT_TRUE(Eventually([&] { return closed_out->subscriber_count() == 0; }));
+  ASSERT_TRUE(closed_out.Joined(0));
   a.transport->SetPublishChannels(folder.Ipc(), std::nullopt);
-  ASSERT_TRUE(Eventually([&] { return open_in->publisher_count() == 1; }));
-  EXPECT_EQ(closed_in->publisher_count(), 0u);
+  ASSERT_TRUE(Eventually([&] { return open_in.channel->publisher_count() == 1; }));
+  EXPECT_EQ(closed_in.channel->publisher_count(), 0u);
   EXPECT_THROW(a.transport->SetPublishChannels("ipc:///nowhere", std::nullopt), Error);
 }
 
 TEST(ZmqEndpoint, EndpointsMayBeAddedAndRemovedWhileRunning) {
   Folder folder;
   Place a{ZmqOptions{}}, b{ZmqOptions{}};
-  conformance::Source source;
-  conformance::Sink sink;
-  const auto out = a.transport->Advertise("scan", TextType(), source);
-  const auto in = b.transport->Subscribe("scan", TextType(), {}, sink);
+  const Publication out(*a.transport, "scan");
+  const Reception in(*b.transport, "scan");
   for (int round = 0; round < 3; ++round) {
     a.transport->AddPublishEndpoint({folder.Ipc(), std::nullopt});
     b.transport->AddSubscribeEndpoint({folder.Ipc(), std::nullopt, {}});
-    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && in->publisher_count() == 1; }));
+    ASSERT_TRUE(Eventually([&] { return out.channel->subscriber_count() == 1 && in.channel->publisher_count() == 1; }));
     EXPECT_TRUE(b.transport->RemoveSubscribeEndpoint(folder.Ipc()));
-    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 0 && in->publisher_count() == 0; }));
+    ASSERT_TRUE(Eventually([&] { return out.channel->subscriber_count() == 0 && in.channel->publisher_count() == 0; }));
     EXPECT_TRUE(a.transport->RemovePublishEndpoint(folder.Ipc()));
     EXPECT_TRUE(Eventually([&] { return a.transport->Peers().empty() && b.transport->Peers().empty(); }));
   }
@@ -207,36 +183,28 @@ TEST(ZmqEndpoint, MessagesThatARemovedEndpointHasReceivedAreStillDelivered) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
   Place b(SubscribeAt(folder.Ipc())), other(SubscribeAt(folder.Ipc()));
-  conformance::Source source;
-  conformance::Sink sink, other_sink;
   test::Door first, second;
-  sink.answer = Accepted::kRunHere;
-  sink.on_run = [&] { (sink.runs == 0 ? first : second).Pass(); };
   const Demand demand{.queue_depth = 100, .credit_messages = 100};
-  const auto out = a.transport->Advertise("scan", TextType(), source);
-  const auto in = b.transport->Subscribe("scan", TextType(), demand, sink);
-  const auto other_in = other.transport->Subscribe("scan", TextType(), demand, other_sink);
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 2 && sink.publishers == 1; }));
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
-  const auto publish = [&] {
-    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-    out->Commit(head, conformance::Publication::PayloadOf("x"));
-  };
-  publish();
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
+  Publication out(*a.transport, "scan");
+  const Reception in(*b.transport, "scan", TextType(), demand, [&](conformance::Sink& sink) {
+    sink.answer = Accepted::kRunHere;
+    sink.on_run = [&] { (sink.runs == 0 ? first : second).Pass(); };
+  });
+  const Reception other_in(*other.transport, "scan", TextType(), demand);
+  ASSERT_TRUE(Eventually([&] { return out.channel->subscriber_count() == 2 && in.sink.publishers == 1; }));
+  ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
   // These messages wait in ZeroMQ until the first has run, and are then read together.
-  for (int i = 0; i < 20; ++i) publish();
-  ASSERT_TRUE(Eventually([&] { return other_sink.count() == 21; }));
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  ASSERT_TRUE(Eventually([&] { return other_in.sink.count() == 21; }));
   test::Linger(std::chrono::milliseconds(100));  // Nothing tells when ZeroMQ has them for this one, too.
   first.Open();
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 2; }));
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 2; }));
   EXPECT_TRUE(b.transport->RemoveSubscribeEndpoint(folder.Ipc()));
-  EXPECT_EQ(sink.publishers, 1u) << "the endpoint ends after its messages were delivered";
+  EXPECT_EQ(in.sink.publishers, 1u) << "the endpoint ends after its messages were delivered";
   second.Open();
-  EXPECT_TRUE(Eventually([&] { return sink.publishers == 0; }));
-  EXPECT_GT(sink.count(), 2u);
+  EXPECT_TRUE(Eventually([&] { return in.sink.publishers == 0; }));
+  EXPECT_GT(in.sink.count(), 2u);
   EXPECT_TRUE(Eventually([&] { return b.transport->Peers().empty(); }));
 }
 
@@ -267,94 +235,78 @@ TEST(ZmqEndpoint, TellsHostNamesFromAddresses) {
   }
 }
 
-TEST(ZmqEndpoint, OneOfTwoEndpointsOfAPublisherCarriesAChannel) {
-  Folder folder;
-  ZmqOptions both;
-  both.publish = {{folder.Ipc("one"), std::nullopt}, {folder.Ipc("two"), std::nullopt}};
-  Place a(std::move(both));
-  ZmqOptions to_both;
-  to_both.subscribe = {{folder.Ipc("one"), std::nullopt, {}}, {folder.Ipc("two"), std::nullopt, {}}};
-  Place b(std::move(to_both));
-  conformance::Source source;
-  conformance::Sink sink;
-  const auto out = a.transport->Advertise("scan", TextType(), source);
-  const auto in = b.transport->Subscribe("scan", TextType(), {}, sink);
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && b.listener.came == 1; }));
-  EXPECT_TRUE(a.transport->RemovePublishEndpoint(folder.Ipc("one")));
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && in->publisher_count() == 1; }));
-  EXPECT_EQ(b.transport->Peers().size(), 1u);
+/// Options for two endpoints.
+class ZmqTwoEndpoints : public testing::Test {
+ protected:
+  using Channels = std::optional<std::vector<std::string>>;
+  [[nodiscard]] ZmqOptions Publishing(const Channels& first = {}, const Channels& second = {}) const {
+    ZmqOptions options;
+    options.publish = {{one, first}, {two, second}};
+    return options;
+  }
+  [[nodiscard]] ZmqOptions Subscribing() const {
+    ZmqOptions options;
+    options.subscribe = {{one, std::nullopt, {}}, {two, std::nullopt, {}}};
+    return options;
+  }
+
+  const Folder folder;
+  const std::string one = folder.Ipc("one");
+  const std::string two = folder.Ipc("two");
+};
+
+TEST_F(ZmqTwoEndpoints, OfferEachChannelThatIsOnlyAtOneOfThem) {
+  Place a(Publishing(std::vector<std::string>{"x"}, std::vector<std::string>{"y"}));
+  const Publication x_out(*a.transport, "x"), y_out(*a.transport, "y");
+  Place b(Subscribing());
+  const Reception x_in(*b.transport, "x"), y_in(*b.transport, "y");
+  EXPECT_TRUE(Eventually([&] { return x_in.channel->publisher_count() == 1 && y_in.channel->publisher_count() == 1; }));
 }
 
-TEST(ZmqEndpoint, EachChannelOfAPublisherComesOverTheEndpointThatOffersIt) {
-  Folder folder;
-  ZmqOptions apart;
-  apart.publish = {{folder.Ipc("one"), std::vector<std::string>{"x"}},
-                   {folder.Ipc("two"), std::vector<std::string>{"y"}}};
-  Place a(std::move(apart));
-  conformance::Source source;
-  const auto x_out = a.transport->Advertise("x", TextType(), source);
-  const auto y_out = a.transport->Advertise("y", TextType(), source);
-  ZmqOptions to_both;
-  to_both.subscribe = {{folder.Ipc("one"), std::nullopt, {}}, {folder.Ipc("two"), std::nullopt, {}}};
-  Place b(std::move(to_both));
-  conformance::Sink x_sink, y_sink;
-  const auto x_in = b.transport->Subscribe("x", TextType(), {}, x_sink);
-  const auto y_in = b.transport->Subscribe("y", TextType(), {}, y_sink);
-  EXPECT_TRUE(Eventually([&] { return x_in->publisher_count() == 1 && y_in->publisher_count() == 1; }));
-}
-
-TEST(ZmqEndpoint, ChannelMovesToAnotherEndpointIfItsOwnNoLongerOffersIt) {
-  Folder folder;
-  ZmqOptions both;
-  both.publish = {{folder.Ipc("one"), std::nullopt}, {folder.Ipc("two"), std::nullopt}};
-  Place a(std::move(both));
-  conformance::Source source;
-  const auto out = a.transport->Advertise("x", TextType(), source);
-  ZmqOptions to_both;
-  to_both.subscribe = {{folder.Ipc("one"), std::nullopt, {}}, {folder.Ipc("two"), std::nullopt, {}}};
-  Place b(std::move(to_both));
-  conformance::Sink sink;
-  const auto in = b.transport->Subscribe("x", TextType(), {}, sink);
-  PacketHead head;
-  head.channel = "x";
-  head.encoding = Encoding::kCustom;
+TEST_F(ZmqTwoEndpoints, CarryAChannelOnceAndItMovesIfItsOwnNoLongerOffersIt) {
+  Place a(Publishing());
+  Place b(Subscribing());
+  Publication out(*a.transport, "scan");
+  const Reception in(*b.transport, "scan");
   const auto arrives = [&] {
-    const std::size_t before = sink.count();
+    const std::size_t before = in.sink.count();
     return Eventually([&] {
-      if (out->Reserve() == PublishStatus::kOk) out->Commit(head, conformance::Publication::PayloadOf("x"));
-      return sink.count() > before;
+      (void)out.Publish("x");
+      return in.sink.count() > before;
     });
   };
+  const auto is_once = [&] {
+    return Eventually([&] { return out.channel->subscriber_count() == 1 && in.channel->publisher_count() == 1; });
+  };
+  ASSERT_TRUE(out.Joined() && Eventually([&] { return b.listener.came == 1; }));
   ASSERT_TRUE(arrives());
   for (int round = 0; round < 4; ++round) {
-    const std::string shut = folder.Ipc(round % 2 == 0 ? "one" : "two");
-    const std::string open = folder.Ipc(round % 2 == 0 ? "two" : "one");
+    const std::string& shut = round % 2 == 0 ? one : two;
+    const std::string& open = round % 2 == 0 ? two : one;
     a.transport->SetPublishChannels(open, std::nullopt);
     a.transport->SetPublishChannels(shut, std::vector<std::string>{});
     ASSERT_TRUE(arrives()) << "round " << round;
-    ASSERT_TRUE(Eventually([&] { return in->publisher_count() == 1 && out->subscriber_count() == 1; }));
+    ASSERT_TRUE(is_once());
   }
+  a.transport->SetPublishChannels(two, std::nullopt);
+  EXPECT_TRUE(a.transport->RemovePublishEndpoint(one));
+  ASSERT_TRUE(is_once());
+  EXPECT_EQ(b.transport->Peers().size(), 1u);
 }
 
 TEST(ZmqEndpoint, RemovingAPublishEndpointReportsRoomAndFewerSubscribers) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
   Place b(SubscribeAt(folder.Ipc()));
-  conformance::Source source;
-  conformance::Sink sink;
-  sink.hold_credit = true;
-  const auto out = a.transport->Advertise("scan", TextType(), source);
-  const auto in = b.transport->Subscribe("scan", TextType(), {.lossless = true, .credit_messages = 1}, sink);
-  ASSERT_TRUE(Eventually([&] { return source.subscribers == 1; }));
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
-  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-  out->Commit(head, conformance::Publication::PayloadOf("x"));
-  ASSERT_EQ(out->Reserve(), PublishStatus::kFull);
+  Publication out(*a.transport, "scan");
+  const Reception in(*b.transport, "scan", TextType(), {.lossless = true, .credit_messages = 1},
+                     conformance::HoldCredit);
+  ASSERT_TRUE(Eventually([&] { return out.source.subscribers == 1; }));
+  ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  ASSERT_EQ(out.Publish("x"), PublishStatus::kFull);
   EXPECT_TRUE(a.transport->RemovePublishEndpoint(folder.Ipc()));
-  EXPECT_TRUE(Eventually([&] { return source.rooms > 0 && source.subscribers == 0; }));
-  EXPECT_EQ(out->stats().missed, 1U);
+  EXPECT_TRUE(Eventually([&] { return out.source.rooms > 0 && out.source.subscribers == 0; }));
+  EXPECT_EQ(out.channel->stats().missed, 1U);
   EXPECT_FALSE(a.Said("has gone without confirming")) << "the subscriber has not gone";
 }
 
@@ -375,20 +327,12 @@ TEST(ZmqEndpoint, ASessionDoesNotHearItself) {
   options.subscribe = {{folder.Ipc(), std::nullopt, {}}};
   Place self(std::move(options));
   Place other(SubscribeAt(folder.Ipc()));
-  conformance::Source source;
-  conformance::Sink own_sink, other_sink;
-  const auto out = self.transport->Advertise("scan", TextType(), source);
-  const auto own = self.transport->Subscribe("scan", TextType(), {}, own_sink);
-  const auto in = other.transport->Subscribe("scan", TextType(), {}, other_sink);
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
-  PacketHead head;
-  head.channel = "scan";
-  head.type_name = TextType().name;
-  head.encoding = Encoding::kCustom;
-  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-  out->Commit(head, conformance::Publication::PayloadOf("x"));
-  ASSERT_TRUE(Eventually([&] { return other_sink.count() == 1; }));
-  EXPECT_EQ(own_sink.count(), 0u);
+  Publication out(*self.transport, "scan");
+  const Reception own(*self.transport, "scan"), in(*other.transport, "scan");
+  ASSERT_TRUE(out.Joined());
+  ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
+  EXPECT_EQ(own.sink.count(), 0u);
 }
 
 TEST(ZmqEndpoint, ASessionSubscribesAtHundredsOfEndpoints) {
@@ -425,29 +369,23 @@ TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentContinues) {
   Folder folder;
   Place a(PublishAt(folder.Ipc()));
   Place b(SubscribeAt(folder.Ipc()));
-  conformance::Source source;
-  conformance::Sink sink;
-  auto out = a.transport->Advertise("scan", TextType(), source);
-  const auto in = b.transport->Subscribe("scan", TextType(), {}, sink);
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
+  Publication out(*a.transport, "scan");
+  const Reception in(*b.transport, "scan");
+  ASSERT_TRUE(out.Joined());
   const pid_t child = fork();
   if (child == 0) {
-    const bool refused = out->Reserve() == PublishStatus::kClosed;
-    out->Commit(head, conformance::Publication::PayloadOf("x"));
-    out.reset();
+    const bool refused = out.channel->Reserve() == PublishStatus::kClosed;
+    out.channel->Commit(out.NextHead(), Publication::PayloadOf("x"));
+    out.channel.reset();
     a.transport.reset();
     _exit(refused ? 0 : 1);
   }
   int status = -1;
   waitpid(child, &status, 0);
   EXPECT_EQ(status, 0);
-  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-  out->Commit(head, conformance::Publication::PayloadOf("y"));
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
-  EXPECT_EQ(sink.texts().front(), "y");
+  ASSERT_EQ(out.Publish("y"), PublishStatus::kOk);
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
+  EXPECT_EQ(in.sink.texts().front(), "y");
 }
 
 }  // namespace

@@ -1,12 +1,6 @@
 // Programs that use the id of another program's session at a publish endpoint.
 #include <gtest/gtest.h>
 
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "conformance/transport_conformance.hpp"
 #include "transport/agreement.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
@@ -15,7 +9,6 @@ namespace hgros {
 namespace {
 
 using conformance::Eventually;
-using conformance::Publication;
 using conformance::TextType;
 
 constexpr SessionId kVictim{7};
@@ -25,34 +18,24 @@ constexpr std::uint64_t kProof = 1234;
 class Speaker {
  public:
   explicit Speaker(const std::string& endpoint) {
-    zmq_connect(socket_.get(), endpoint.c_str());
+    socket_.Connect(endpoint);
     Send('\1' + zmq::ControlTopic(kVictim));
     Send('\1' + PeerTopic("scan", kVictim));
   }
   void Send(const std::string& frame) const { socket_.Send({frame}); }
-  /// The next control message that is no Heartbeat.
-  [[nodiscard]] wire::Control Control() const {
+  /// The next such control message; empty at the deadline.
+  [[nodiscard]] wire::Control ControlThat(bool (wire::Control::*has)() const) const {
     for (;;) {
       const auto frames = socket_.Receive();
       if (frames.empty()) return {};
       if (frames.size() != 2) continue;
       const auto control = zmq::ParseControl(AsBytes(frames[1]));
-      if (control && !control->has_heartbeat()) return *control;
+      if (control && ((*control).*has)()) return *control;
     }
   }
   /// The handshake of the next Welcome.
-  [[nodiscard]] std::uint64_t Welcome() const {
-    for (;;) {
-      const auto control = Control();
-      if (control.has_welcome() || control.session() == 0) return control.welcome().handshake();
-    }
-  }
-  [[nodiscard]] wire::Subscribed Subscribed() const {
-    for (;;) {
-      const auto control = Control();
-      if (control.has_subscribed() || control.session() == 0) return control.subscribed();
-    }
-  }
+  [[nodiscard]] std::uint64_t Welcome() const { return ControlThat(&wire::Control::has_welcome).welcome().handshake(); }
+  [[nodiscard]] wire::Subscribed Subscribed() const { return ControlThat(&wire::Control::has_subscribed).subscribed(); }
   void SayHello(std::uint64_t handshake, std::uint64_t proof) const {
     auto message = zmq::ControlFrom(kVictim);
     WriteFacts(OwnFacts(kVictim, "speaker"), *message.mutable_hello()->mutable_facts());
@@ -93,14 +76,7 @@ class Speaker {
 
 class ZmqForgedSession : public testing::Test {
  protected:
-  ZmqForgedSession() { out_ = publisher.transport->Advertise("scan", TextType(), source_); }
-  void Publish(const std::string& text) {
-    PacketHead head;
-    head.channel = "scan";
-    head.encoding = Encoding::kCustom;
-    ASSERT_EQ(out_->Reserve(), PublishStatus::kOk);
-    out_->Commit(head, Publication::PayloadOf(text));
-  }
+  void Publish(const std::string& text) { ASSERT_EQ(out_.Publish(text), PublishStatus::kOk); }
   /// The session joins. Its link.
   [[nodiscard]] std::uint64_t Join(const Speaker& session) const {
     const std::uint64_t handshake = session.Welcome();
@@ -109,12 +85,11 @@ class ZmqForgedSession : public testing::Test {
     return session.Subscribed().link();
   }
 
-  test::Place publisher{test::PublishAt("tcp://127.0.0.1:*")};
-  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  test::Place publisher{test::PublishAt()};
+  const std::string endpoint = publisher.Bound();
 
  private:
-  conformance::Source source_;
-  std::unique_ptr<OutboundChannel> out_;
+  conformance::Publication out_{*publisher.transport, "scan"};
 };
 
 TEST_F(ZmqForgedSession, DoesNotPauseTheLinksOfTheSession) {

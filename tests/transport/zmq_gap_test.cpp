@@ -1,14 +1,8 @@
 // Messages whose topic frame was changed on the way, without keys: by a proxy, or by bad hardware.
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <ostream>
 #include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "support/await.hpp"
 #include "transport/zmq_places.hpp"
 #include "transport/zmq_spoiler.hpp"
 
@@ -16,6 +10,7 @@ namespace hgros {
 namespace {
 
 using conformance::Eventually;
+using conformance::Reception;
 using conformance::TextType;
 using test::Place;
 using test::Spoiler;
@@ -34,76 +29,53 @@ struct Change {
 
 class ZmqGap : public testing::TestWithParam<Change> {
  protected:
-  ZmqGap()
-      : server_(test::PublishAt("tcp://127.0.0.1:*")),
-        spoiler_(server_.transport->BoundEndpoints().front(), Spoiler::Side::kServer, Spoiler::Then::kGoesOn,
-                 [](std::span<char> bytes) {
-                   const std::size_t at = std::string_view(bytes.data(), bytes.size()).find(kBegin);
-                   if (at == std::string_view::npos) return false;
-                   if (bytes.size() - at < kBegin.size() + kIdBytes + kNumberBytes) return false;
-                   bytes[at + GetParam().offset] ^= GetParam().bits;
-                   return true;
-                 }),
-        out_(server_.transport->Advertise("scan", TextType(), source_)),
-        client_(test::SubscribeAt(spoiler_.endpoint())) {}
-
-  bool Publish(const std::string& text) {
-    PacketHead head;
-    head.channel = "scan";
-    head.encoding = Encoding::kCustom;
-    if (out_->Reserve() != PublishStatus::kOk) return false;
-    out_->Commit(head, conformance::Publication::PayloadOf(text));
+  static bool Spoil(std::span<char> bytes) {
+    const std::size_t at = std::string_view(bytes.data(), bytes.size()).find(kBegin);
+    if (at == std::string_view::npos) return false;
+    if (bytes.size() - at < kBegin.size() + kIdBytes + kNumberBytes) return false;
+    bytes[at + GetParam().offset] ^= GetParam().bits;
     return true;
   }
-  bool PublishSoon(const std::string& text) {
-    return test::Await([&] { return Publish(text); });
-  }
 
-  conformance::Source source_;
-  Place server_;
-  Spoiler spoiler_;
-  std::unique_ptr<OutboundChannel> out_;
-  Place client_;
-  conformance::Sink sink_;
+  Place server_{test::PublishAt()};
+  Spoiler spoiler_{server_.Bound(), Spoiler::Side::kServer, Spoiler::Then::kGoesOn, Spoil};
+  conformance::Publication out_{*server_.transport, "scan"};
+  Place client_{test::SubscribeAt(spoiler_.endpoint())};
 };
 
 TEST_P(ZmqGap, ALosslessSubscriberGetsAllMessagesOnce) {
-  Demand demand;
-  demand.lossless = true;
-  demand.credit_messages = 8;
-  conformance::Sink whole;
-  Place other(test::SubscribeAt(server_.transport->BoundEndpoints().front()));
-  const auto in = client_.transport->Subscribe("scan", TextType(), demand, sink_);
-  const auto in_other = other.transport->Subscribe("scan", TextType(), demand, whole);
-  ASSERT_TRUE(Eventually([&] { return out_->subscriber_count() == 2; }));
+  const Demand demand{.lossless = true, .credit_messages = 8};
+  Place other(test::SubscribeAt(server_.Bound()));
+  const Reception in(*client_.transport, "scan", TextType(), demand);
+  const Reception whole(*other.transport, "scan", TextType(), demand);
+  ASSERT_TRUE(out_.Joined(2));
   std::vector<std::string> sent;
   for (int i = 0; i < 100; ++i) {
     sent.push_back(std::to_string(i));
     if (i == 50) spoiler_.Spoil();
-    ASSERT_TRUE(PublishSoon(sent.back())) << i;
+    ASSERT_TRUE(out_.PublishSoon(sent.back())) << i;
   }
-  EXPECT_TRUE(Eventually([&] { return sink_.count() == sent.size() && whole.count() == sent.size(); }));
-  EXPECT_EQ(sink_.texts(), sent);
-  EXPECT_EQ(whole.texts(), sent);
+  EXPECT_TRUE(Eventually([&] { return in.sink.count() == sent.size() && whole.sink.count() == sent.size(); }));
+  EXPECT_EQ(in.sink.texts(), sent);
+  EXPECT_EQ(whole.sink.texts(), sent);
   EXPECT_FALSE(spoiler_.spoils());
   EXPECT_EQ(spoiler_.connections(), 2);
   EXPECT_TRUE(client_.Said("so the connection is made again"));
 }
 
 TEST_P(ZmqGap, AKeepLastSubscriberGoesOn) {
-  const auto in = client_.transport->Subscribe("scan", TextType(), {}, sink_);
-  ASSERT_TRUE(Eventually([&] { return out_->subscriber_count() == 1; }));
-  ASSERT_TRUE(PublishSoon("first"));
-  ASSERT_TRUE(Eventually([&] { return sink_.count() == 1; }));
+  const Reception in(*client_.transport, "scan");
+  ASSERT_TRUE(out_.Joined());
+  ASSERT_TRUE(out_.PublishSoon("first"));
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
   spoiler_.Spoil();
-  ASSERT_TRUE(test::Await([&] {
-    (void)Publish("spoilt");
+  ASSERT_TRUE(Eventually([&] {
+    (void)out_.Publish("spoilt");
     return !spoiler_.spoils();
   }));
-  EXPECT_TRUE(test::Await([&] {
-    (void)Publish("again");
-    const auto texts = sink_.texts();
-    return texts.back() == "again";
+  EXPECT_TRUE(Eventually([&] {
+    (void)out_.Publish("again");
+    return in.sink.texts().back() == "again";
   }));
 }
 

@@ -1,39 +1,26 @@
 #pragma once
 
-#include <stdlib.h>
+#include <gtest/gtest.h>
 #include <zmq.h>
 
-#include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <memory>
-#include <mutex>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "conformance/transport_conformance.hpp"
+#include "hgros/internal/codec/packet.hpp"
 #include "hgros/transport/zmq_transport.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::test {
 
-/// A folder that is removed at the end of the test.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = std::filesystem::temp_directory_path() / "hgros-XXXXXX";
-    path_ = mkdtemp(pattern.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  [[nodiscard]] std::string Ipc(const std::string& name = "socket") const { return "ipc://" + path_ + "/" + name; }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
+using Folder = ScratchFolder;
 
 /// A transport with its listener.
-struct Place {
+struct Place : conformance::KeptLog {
   explicit Place(ZmqOptions options, std::chrono::milliseconds peer_timeout = std::chrono::seconds(3)) {
     options.heartbeat = std::chrono::milliseconds(100);
     options.peer_timeout = peer_timeout;
@@ -41,28 +28,20 @@ struct Place {
     options.unreachable_after = std::chrono::milliseconds(200);
     transport = MakeZmqTransport(std::move(options), listener, log);
   }
-  /// True if a line of the log contains this text.
-  [[nodiscard]] bool Said(std::string_view text) { return TimesSaid(text) > 0; }
-  [[nodiscard]] std::ptrdiff_t TimesSaid(std::string_view text) {
-    const std::scoped_lock lock(mutex);
-    return std::ranges::count_if(lines, [&](const auto& line) { return line.find(text) != std::string::npos; });
+  [[nodiscard]] std::string Bound() const { return transport->BoundEndpoints().front(); }
+  [[nodiscard]] std::uint64_t Faults(PacketFault fault) const {
+    return transport->stats().faults[static_cast<std::size_t>(fault)];
   }
-  std::mutex mutex;
-  std::vector<std::string> lines;  // Guarded by mutex.
+  /// How often a limit was exceeded.
+  [[nodiscard]] std::uint64_t Overruns() const { return Faults(PacketFault::kOverrun); }
+
   conformance::Listener listener;
-  Log log{[this](LogLevel, std::string_view text) {
-    const std::scoped_lock lock(mutex);
-    lines.emplace_back(text);
-  }};
   std::unique_ptr<ZmqTransport> transport;
 };
 
-/// How often a limit was exceeded.
-inline std::uint64_t Overruns(const Place& place) {
-  return place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)];
-}
+constexpr const char* kAnyPort = "tcp://127.0.0.1:*";
 
-inline ZmqOptions PublishAt(const std::string& endpoint) {
+inline ZmqOptions PublishAt(const std::string& endpoint = kAnyPort) {
   ZmqOptions options;
   options.publish = {{endpoint, std::nullopt}};
   return options;
@@ -74,12 +53,23 @@ inline ZmqOptions SubscribeAt(const std::string& endpoint) {
   return options;
 }
 
+/// Whether a session that subscribes there reaches a publisher.
+inline bool IsReached(const std::string& endpoint) {
+  const Place subscriber(SubscribeAt(endpoint));
+  return conformance::Eventually([&] { return subscriber.listener.came == 1; });
+}
+
 /// A plain ZeroMQ socket, without this library.
 class RawSocket {
  public:
   explicit RawSocket(int type) : context_(std::make_shared<Context>()), socket_(zmq_socket(context_->raw, type)) {
-    const int linger = 0;
-    zmq_setsockopt(socket_, ZMQ_LINGER, &linger, sizeof linger);
+    Set(ZMQ_LINGER, 0);
+  }
+  /// A plain subscriber to the channel, for which so many messages may wait.
+  RawSocket(const std::string& endpoint, std::string_view channel, int most_waiting = 1000) : RawSocket(ZMQ_SUB) {
+    Set(ZMQ_RCVHWM, most_waiting);
+    Set(ZMQ_SUBSCRIBE, PlainTopic(channel));
+    Connect(endpoint);
   }
   /// Receives these `events` of another socket.
   RawSocket(const RawSocket& watched, const char* address, int events)
@@ -91,6 +81,12 @@ class RawSocket {
   RawSocket& operator=(const RawSocket&) = delete;
   ~RawSocket() { zmq_close(socket_); }
   [[nodiscard]] void* get() const { return socket_; }
+  void Set(int option, int value) const { Require(zmq_setsockopt(socket_, option, &value, sizeof value)); }
+  void Set(int option, std::string_view value) const {
+    Require(zmq_setsockopt(socket_, option, value.data(), value.size()));
+  }
+  void Bind(const std::string& endpoint) const { Require(zmq_bind(socket_, endpoint.c_str())); }
+  void Connect(const std::string& endpoint) const { Require(zmq_connect(socket_, endpoint.c_str())); }
   void Send(const std::vector<std::string>& frames) const {
     for (std::size_t i = 0; i < frames.size(); ++i) {
       zmq_send(socket_, frames[i].data(), frames[i].size(), i + 1 < frames.size() ? ZMQ_SNDMORE : 0);
@@ -98,7 +94,7 @@ class RawSocket {
   }
   /// The next message's frames; empty at the deadline.
   [[nodiscard]] std::vector<std::string> Receive(int deadline_ms = 10000) const {
-    zmq_setsockopt(socket_, ZMQ_RCVTIMEO, &deadline_ms, sizeof deadline_ms);
+    Set(ZMQ_RCVTIMEO, deadline_ms);
     std::vector<std::string> frames;
     for (bool more = true; more;) {
       zmq_msg_t frame;
@@ -119,8 +115,64 @@ class RawSocket {
     Context& operator=(const Context&) = delete;
     void* raw = zmq_ctx_new();
   };
+  static void Require(int result) {
+    if (result != 0) throw std::runtime_error(zmq_strerror(zmq_errno()));
+  }
+
   std::shared_ptr<Context> context_;
   void* socket_;
+};
+
+/// A frame of ZMTP 3 (https://rfc.zeromq.org/spec/23).
+inline std::string Frame(std::string_view body, bool more = false) {
+  std::string frame;
+  if (body.size() < 256) {
+    frame += static_cast<char>(more ? 1 : 0);
+    frame += static_cast<char>(body.size());
+  } else {
+    frame += static_cast<char>(more ? 3 : 2);
+    for (int shift = 56; shift >= 0; shift -= 8) frame += static_cast<char>(body.size() >> shift & 0xff);
+  }
+  return frame.append(body);
+}
+
+/// The greeting without keys and the READY command of a socket type with four letters.
+inline std::string Greeting(std::string_view socket_type) {
+  std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
+  greeting.resize(64);
+  return (greeting + std::string("\4\x1a\5READY\13Socket-Type\0\0\0\4", 24)).append(socket_type);
+}
+
+/// A publisher of "scan", and its subscribers: a session and a plain one.
+struct Audience {
+  /// `from`: the address of the session, and ";".
+  explicit Audience(const std::string& at, const std::string& from = {},
+                    std::chrono::milliseconds peer_timeout = std::chrono::seconds(3))
+      : publisher(PublishAt(at), peer_timeout),
+        session(
+            [&] {
+              ZmqOptions options = SubscribeAt(std::string(endpoint).insert(6, from));
+              options.session = SessionId{7};
+              return options;
+            }(),
+            peer_timeout) {
+    EXPECT_TRUE(out.Joined(2));
+  }
+  /// Both get what is published.
+  void ExpectMessages() {
+    const std::size_t before = in.sink.count();
+    ASSERT_EQ(out.Publish("go on"), PublishStatus::kOk);
+    EXPECT_TRUE(conformance::Eventually([&] { return in.sink.count() > before; }));
+    EXPECT_EQ(plain.Receive().size(), 3u);
+    EXPECT_EQ(session.listener.gone, 0);
+  }
+
+  Place publisher;
+  const std::string endpoint = publisher.Bound();
+  Place session;
+  conformance::Publication out{*publisher.transport, "scan"};
+  conformance::Reception in{*session.transport, "scan"};
+  const RawSocket plain{endpoint, "scan"};
 };
 
 }  // namespace hgros::test

@@ -8,17 +8,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstddef>
-#include <cstdint>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <stop_token>
-#include <string>
-#include <string_view>
-#include <thread>
-#include <vector>
 
 #include "hgros/base/system_limits.hpp"
 #include "support/await.hpp"
@@ -31,6 +24,7 @@ namespace hgros {
 namespace {
 
 using test::Await;
+using test::IsReached;
 using test::Place;
 using test::PublishAt;
 using test::SubscribeAt;
@@ -38,7 +32,7 @@ using test::SubscribeAt;
 /// A tcp connection that says nothing.
 class Silent {
  public:
-  Silent() : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {}
+  Silent() = default;
   Silent(const Silent&) = delete;
   Silent& operator=(const Silent&) = delete;
   ~Silent() { close(fd_); }
@@ -60,7 +54,7 @@ class Silent {
   }
 
  private:
-  const int fd_;
+  const int fd_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
 };
 
 // 0, or the errno.
@@ -98,57 +92,25 @@ std::chrono::nanoseconds UsedCpu(std::jthread& thread) {
 }
 
 TEST(ZmqStrangers, MustSpeakZmtp3) {
-  const Place publisher(PublishAt("tcp://127.0.0.1:*"));
+  const Place publisher(PublishAt());
   // Subscriptions of ZMTP 1.0, for which ZeroMQ takes arbitrary bytes, and of 2.0.
   for (const std::string& spoken :
        {std::string("\1\0\6\0\1scan", 9), std::string("\xff\0\0\0\0\0\0\0\1\x7f\1\2\0\0", 14)}) {
     const Silent old;
-    old.Connect(publisher.transport->BoundEndpoints().front());
+    old.Connect(publisher.Bound());
     ASSERT_TRUE(Await([&] { return old.Say(spoken); }));
     EXPECT_TRUE(Await([&] { return old.WasClosed(); })) << spoken.size();
   }
 }
 
-/// A publisher with a session and a plain subscriber.
 class ZmqLackOfDescriptors : public testing::TestWithParam<const char*> {
  protected:
-  ZmqLackOfDescriptors() {
-    out_ = publisher.transport->Advertise("scan", conformance::TextType(), source_);
-    in_ = session.transport->Subscribe("scan", conformance::TextType(), {}, sink_);
-    zmq_setsockopt(plain_.get(), ZMQ_SUBSCRIBE, "scan", 5);
-    zmq_connect(plain_.get(), endpoint.c_str());
-    EXPECT_TRUE(Await([&] { return out_->subscriber_count() == 2; }));
-  }
-  /// Both subscribers get a message.
-  void ExpectMessages() {
-    PacketHead head;
-    head.channel = "scan";
-    head.encoding = Encoding::kCustom;
-    const std::size_t before = sink_.count();
-    ASSERT_EQ(out_->Reserve(), PublishStatus::kOk);
-    out_->Commit(head, conformance::Publication::PayloadOf("go on"));
-    EXPECT_TRUE(Await([&] { return sink_.count() > before; }));
-    EXPECT_EQ(plain_.Receive().size(), 3u);
-    EXPECT_EQ(session.listener.gone, 0);
-  }
-
- private:
-  const test::Folder folder_;
-
- protected:
-  Place publisher{PublishAt(GetParam() == std::string("path") ? folder_.Ipc() : GetParam())};
-  const std::string endpoint = publisher.transport->BoundEndpoints().front();
-  Place session{SubscribeAt(endpoint)};
-
- private:
-  conformance::Source source_;
-  conformance::Sink sink_;
-  std::unique_ptr<OutboundChannel> out_;
-  std::unique_ptr<InboundChannel> in_;
-  test::RawSocket plain_{ZMQ_SUB};
+  const test::Folder folder;
+  test::Audience all{GetParam() == std::string("path") ? folder.Ipc() : GetParam()};
 };
 
 TEST_P(ZmqLackOfDescriptors, LeavesConnectionsAlone) {
+  const std::string endpoint = all.endpoint;
   const bool tcp = endpoint.starts_with("tcp");
   const Silent waiting;
   const int knocking = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -156,18 +118,17 @@ TEST_P(ZmqLackOfDescriptors, LeavesConnectionsAlone) {
     {
       test::NoDescriptors few(tcp ? 0 : 8);
       if (tcp) waiting.Connect(endpoint);
-      ASSERT_TRUE(Await([&] { return publisher.Said("limit of open files"); }));
+      ASSERT_TRUE(Await([&] { return all.publisher.Said("limit of open files"); }));
       test::Linger(std::chrono::milliseconds(300));  // Some heartbeats.
       ASSERT_TRUE(tcp || Await([&] { return !std::filesystem::exists(endpoint.substr(6)); })) << "it is hidden";
       few.Fill();
       EXPECT_TRUE(tcp || ConnectTo(knocking, endpoint.substr(6)) != 0);
-      ExpectMessages();
+      all.ExpectMessages();
     }
-    const Place late(SubscribeAt(endpoint));
-    EXPECT_TRUE(Await([&] { return late.listener.came == 1; })) << "it accepts connections again";
-    ExpectMessages();
+    EXPECT_TRUE(IsReached(endpoint)) << "it accepts connections again";
+    all.ExpectMessages();
   }
-  EXPECT_EQ(publisher.TimesSaid("limit of open files"), 1);
+  EXPECT_EQ(all.publisher.TimesSaid("limit of open files"), 1);
   close(knocking);
 }
 
@@ -178,31 +139,27 @@ INSTANTIATE_TEST_SUITE_P(At, ZmqLackOfDescriptors, testing::Values("tcp://127.0.
                          });
 
 TEST(ZmqStrangers, WaitingConnectionsUseNoCpuWhileNoDescriptorIsFree) {
-  Place publisher(PublishAt("tcp://127.0.0.1:*"));
-  const std::string endpoint = publisher.transport->BoundEndpoints().front();
-  std::vector<std::unique_ptr<Silent>> waiting;
-  for (int i = 0; i < 5; ++i) waiting.push_back(std::make_unique<Silent>());
+  Place publisher(PublishAt());
+  const std::string endpoint = publisher.Bound();
+  std::deque<Silent> waiting(5);
   {
     const test::NoDescriptors none;
-    for (const auto& one : waiting) one->Connect(endpoint);
+    for (const Silent& one : waiting) one.Connect(endpoint);
     EXPECT_TRUE(Await([&] { return publisher.Said("limit of open files"); }));
-    EXPECT_TRUE(Await([&] { return std::ranges::all_of(waiting, [](const auto& one) { return one->WasClosed(); }); }))
-        << "nothing waits";
+    EXPECT_TRUE(Await([&] { return std::ranges::all_of(waiting, &Silent::WasClosed); })) << "nothing waits";
     const auto before = UsedCpu();
     const auto began = std::chrono::steady_clock::now();
     test::Linger(std::chrono::milliseconds(1000));
     EXPECT_LT(UsedCpu() - before, (std::chrono::steady_clock::now() - began) / 2);
   }
-  Place subscriber(SubscribeAt(endpoint));
-  EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
+  EXPECT_TRUE(IsReached(endpoint)) << "it recovers";
   EXPECT_EQ(publisher.TimesSaid("limit of open files"), 1);
 }
 
 TEST(ZmqStrangers, ConnectionsUseNoCpuWhileAnotherThreadTakesEachFreeDescriptor) {
-  Place publisher(PublishAt("tcp://127.0.0.1:*"));
-  const std::string endpoint = publisher.transport->BoundEndpoints().front();
-  std::vector<std::unique_ptr<Silent>> waiting;
-  for (int i = 0; i < 50; ++i) waiting.push_back(std::make_unique<Silent>());
+  Place publisher(PublishAt());
+  const std::string endpoint = publisher.Bound();
+  std::deque<Silent> waiting(50);
   {
     test::NoDescriptors none;
     std::jthread greedy([&](const std::stop_token& stop) {
@@ -213,21 +170,20 @@ TEST(ZmqStrangers, ConnectionsUseNoCpuWhileAnotherThreadTakesEachFreeDescriptor)
     });
     const auto before = UsedCpu() - UsedCpu(greedy);
     const auto began = std::chrono::steady_clock::now();
-    for (const auto& one : waiting) {
-      one->Connect(endpoint);
+    for (const Silent& one : waiting) {
+      one.Connect(endpoint);
       test::Linger(std::chrono::milliseconds(30));
     }
     EXPECT_LT(UsedCpu() - UsedCpu(greedy) - before, (std::chrono::steady_clock::now() - began) / 2);
     EXPECT_EQ(publisher.TimesSaid("limit of open files"), 1);
   }
-  const Place subscriber(SubscribeAt(endpoint));
-  EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
+  EXPECT_TRUE(IsReached(endpoint)) << "it recovers";
 }
 
 TEST(ZmqStrangers, AnIpcEndpointIsSafeFromConnectionsOnceFewDescriptorsAreFree) {
   const test::Folder folder;
-  const std::string name = "@" + folder.path();  // Only closing such a socket keeps connections away.
-  for (const std::string& path : {folder.path() + "/socket", name}) {
+  const std::string name = "@" + folder.path().string();  // Only closing such a socket keeps connections away.
+  for (const std::string& path : {folder.path().string() + "/socket", name}) {
     Place publisher(PublishAt("ipc://" + path));
     const int knocking = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const int early = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -245,33 +201,29 @@ TEST(ZmqStrangers, AnIpcEndpointIsSafeFromConnectionsOnceFewDescriptorsAreFree) 
     }
     close(knocking);
     close(early);
-    const Place subscriber(SubscribeAt("ipc://" + path));
-    EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
+    EXPECT_TRUE(IsReached("ipc://" + path)) << "it recovers";
   }
 }
 
 TEST(ZmqStrangers, AnEndpointThatStopsListeningForgetsItsConnections) {
   const test::Folder folder;
-  Place publisher(PublishAt("ipc://@" + folder.path()));
-  conformance::Source source;
-  const auto out = publisher.transport->Advertise("scan", conformance::TextType(), source);
-  const test::RawSocket plain(ZMQ_SUB);
-  zmq_setsockopt(plain.get(), ZMQ_SUBSCRIBE, "scan", 5);
-  zmq_connect(plain.get(), publisher.transport->BoundEndpoints().front().c_str());
-  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 1; }));
+  Place publisher(PublishAt("ipc://@" + folder.path().string()));
+  const conformance::Publication out(*publisher.transport, "scan");
+  const test::RawSocket plain(publisher.Bound(), "scan");
+  ASSERT_TRUE(out.Joined());
   {
     const test::NoDescriptors few(8);
-    EXPECT_TRUE(Await([&] { return out->subscriber_count() == 0; }));
+    EXPECT_TRUE(out.Joined(0));
   }
   EXPECT_TRUE(Await([&] {
     (void)plain.Receive(1);  // ZeroMQ subscribes again in there.
-    return out->subscriber_count() == 1;
+    return out.channel->subscriber_count() == 1;
   })) << "it recovers";
 }
 
 TEST(ZmqStrangers, ManyConnectionsAtAnIpcEndpointDoNotUseUpAllDescriptors) {
   const test::Folder folder;
-  const std::string path = folder.path() + "/socket";
+  const std::string path = folder.path().string() + "/socket";
   Place publisher(PublishAt("ipc://" + path));
   std::vector<int> all;
   for (int i = 0; i < 300; ++i) all.push_back(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
@@ -285,28 +237,20 @@ TEST(ZmqStrangers, ManyConnectionsAtAnIpcEndpointDoNotUseUpAllDescriptors) {
     EXPECT_GT(FreeDescriptors(100), 0);
   }
   for (const int one : all) close(one);
-  const Place subscriber(SubscribeAt("ipc://" + path));
-  EXPECT_TRUE(Await([&] { return subscriber.listener.came == 1; })) << "it recovers";
+  EXPECT_TRUE(IsReached("ipc://" + path)) << "it recovers";
 }
 
 TEST(ZmqStrangers, SubscriberNamesAllReasonsForWhichItsConnectionMayBeClosedAtOnce) {
-  const int listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address = test::LoopbackAddress(0);
-  socklen_t size = sizeof address;
-  ASSERT_EQ(bind(listening, reinterpret_cast<const sockaddr*>(&address), size), 0);
-  ASSERT_EQ(getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  ASSERT_EQ(listen(listening, 8), 0);
+  const test::RelayPort listening(0);
   std::jthread closes([&](const std::stop_token& stop) {
-    while (!stop.stop_requested()) close(accept(listening, nullptr, nullptr));
+    while (!stop.stop_requested()) listening.Refuse();
   });
   {
-    Place subscriber(SubscribeAt("tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port))));
+    Place subscriber(SubscribeAt("tcp://127.0.0.1:" + std::to_string(listening.port())));
     EXPECT_TRUE(Await([&] { return subscriber.Said("can open no more files, asks for keys, or is not ZeroMQ"); }));
   }
   closes.request_stop();
-  shutdown(listening, SHUT_RDWR);
-  closes.join();
-  close(listening);
+  shutdown(listening.listener(), SHUT_RDWR);
 }
 
 TEST(ZmqStrangers, SubscriberSaysThatItsOwnProcessCanOpenNoFiles) {
@@ -320,25 +264,20 @@ TEST(ZmqStrangers, SubscriberSaysThatItsOwnProcessCanOpenNoFiles) {
 }
 
 TEST(ZmqStrangers, OnlySomeConnectionsOfAnAddressMayBeSilent) {
-  Place publisher(PublishAt("tcp://127.0.0.1:*"));
-  const std::string endpoint = publisher.transport->BoundEndpoints().front();
+  Place publisher(PublishAt());
+  const std::string endpoint = publisher.Bound();
   constexpr std::size_t kCount = 3 * zmq::AcceptedConnections::kMostSilent;
-  std::vector<std::unique_ptr<Silent>> all;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    all.push_back(std::make_unique<Silent>());
-    all.back()->Connect(endpoint);
-  }
-  const auto closed = [&] {
-    return static_cast<std::size_t>(std::ranges::count_if(all, [](const auto& one) { return one->WasClosed(); }));
-  };
+  std::deque<Silent> all(kCount);
+  for (const Silent& one : all) one.Connect(endpoint);
+  const auto closed = [&] { return static_cast<std::size_t>(std::ranges::count_if(all, &Silent::WasClosed)); };
   ASSERT_TRUE(
       Await([&] { return closed() >= kCount - zmq::AcceptedConnections::kMostSilent; }, std::chrono::seconds(8)))
       << closed();
   EXPECT_EQ(publisher.TimesSaid("say nothing"), 1);
   // Sessions from the same address are none of these.
-  std::vector<std::unique_ptr<Place>> sessions;
-  for (int i = 0; i < 3; ++i) sessions.push_back(std::make_unique<Place>(SubscribeAt(endpoint)));
-  all.resize(zmq::AcceptedConnections::kMostSilent / 2);
+  std::deque<Place> sessions;
+  for (int i = 0; i < 3; ++i) sessions.emplace_back(SubscribeAt(endpoint));
+  while (all.size() > zmq::AcceptedConnections::kMostSilent / 2) all.pop_back();
   EXPECT_TRUE(Await([&] { return publisher.listener.came == 3; }));
   EXPECT_EQ(publisher.listener.gone, 0);
 }

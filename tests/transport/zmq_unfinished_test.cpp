@@ -1,17 +1,10 @@
 // Publishers whose messages take long, or do not end.
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
-#include <cerrno>
-#include <cstdint>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "hgros/base/memory_room.hpp"
 #include "support/await.hpp"
@@ -19,15 +12,14 @@
 #include "transport/agreement.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
-#include "transport/zmtp.hpp"
+#include "transport/zmq_spoiler.hpp"
 
 namespace hgros {
 namespace {
 
 using conformance::Eventually;
-using conformance::TextType;
+using conformance::Reception;
 using test::Frame;
-using test::Overruns;
 using test::Place;
 using test::PublishAt;
 using test::SubscribeAt;
@@ -35,27 +27,17 @@ using test::SubscribeAt;
 /// A port where a program speaks ZMTP as an XPUB socket does, but sends any bytes.
 class Server {
  public:
-  Server() : listening_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
-    sockaddr_in address = test::LoopbackAddress(0);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(listening_, reinterpret_cast<sockaddr*>(&address), size), 0);
-    EXPECT_EQ(listen(listening_, 8), 0);
-    EXPECT_EQ(getsockname(listening_, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    endpoint = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
-  }
+  Server() = default;
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
-  ~Server() {
-    close(connection_);
-    close(listening_);
-  }
+  ~Server() { close(connection_); }
 
   /// Waits for a subscriber, and greets it. False if none came.
   [[nodiscard]] bool Accept(int patience_ms = 10'000) {
     close(std::exchange(connection_, -1));
-    pollfd ready{listening_, POLLIN, 0};
+    pollfd ready{listening_.listener(), POLLIN, 0};
     if (poll(&ready, 1, patience_ms) != 1) return false;
-    connection_ = accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC);
+    connection_ = accept4(listening_.listener(), nullptr, nullptr, SOCK_CLOEXEC);
     if (!Send(test::Greeting("XPUB"))) return false;
     std::array<char, 64> greeting{};
     return recv(connection_, greeting.data(), greeting.size(), MSG_WAITALL) == 64;
@@ -70,11 +52,12 @@ class Server {
     return true;
   }
 
-  std::string endpoint;
-
  private:
-  int listening_;
+  const test::RelayPort listening_{0};
   int connection_ = -1;
+
+ public:
+  const std::string endpoint = "tcp://127.0.0.1:" + std::to_string(listening_.port());
 };
 
 /// Sends the frames of one message until the connection is closed. The frames that were sent.
@@ -90,15 +73,14 @@ std::uint64_t SendWithoutEnd(const Server& server, std::string_view body, std::u
 TEST(ZmqUnfinishedMessage, AConnectionWithEmptyFramesWithoutEndIsClosed) {
   Server server;
   Place subscriber{SubscribeAt(server.endpoint)};
-  conformance::Sink sink;
-  const auto in = subscriber.transport->Subscribe("scan", TextType(), {}, sink);
+  const Reception in(*subscriber.transport, "scan");
   ASSERT_TRUE(server.Accept());
   const std::uint64_t before = ResidentBytes();
   constexpr std::uint64_t kMost = 100'000'000;  // They would take 6.4 GB.
   const std::uint64_t sent = SendWithoutEnd(server, "", kMost);
   EXPECT_LT(sent, kMost);
   EXPECT_TRUE(Eventually([&] { return subscriber.Said("it consists of very many frames, and does not end"); }));
-  EXPECT_EQ(Overruns(subscriber), 1U);
+  EXPECT_EQ(subscriber.Overruns(), 1U);
   const std::uint64_t after = ResidentBytes();
   EXPECT_LT(after, before + (1500ULL << 20)) << sent;
   EXPECT_FALSE(server.Accept(500)) << "it is not tried again at once";
@@ -110,21 +92,19 @@ TEST(ZmqUnfinishedMessage, AConnectionWithAMessageThatIsTooLongIsClosed) {
   ZmqOptions options = SubscribeAt(server.endpoint);
   options.max_message_bytes = 8ULL << 20;
   Place subscriber{options};
-  conformance::Sink sink;
-  const auto in = subscriber.transport->Subscribe("scan", TextType(), {}, sink);
+  const Reception in(*subscriber.transport, "scan");
   ASSERT_TRUE(server.Accept());
   constexpr std::uint64_t kMost = 1'000'000;
   EXPECT_LT(SendWithoutEnd(server, std::string(200, 'x'), kMost), kMost);
   EXPECT_TRUE(Eventually([&] { return subscriber.Said("the message is longer than 8 MiB"); }));
-  EXPECT_EQ(Overruns(subscriber), 1U);
+  EXPECT_EQ(subscriber.Overruns(), 1U);
 }
 
 // A plain publisher may send what it likes, and more than this session can use.
 TEST(ZmqUnfinishedMessage, AConnectionWithManyWholeMessagesStays) {
   Server server;
   Place subscriber{SubscribeAt(server.endpoint)};
-  conformance::Sink sink;
-  const auto in = subscriber.transport->Subscribe("scan", TextType(), {}, sink);
+  const Reception in(*subscriber.transport, "scan");
   ASSERT_TRUE(server.Accept());
   std::string messages;
   for (int i = 0; i < 10'000; ++i) messages += Frame("other", true) + Frame("");
@@ -132,7 +112,7 @@ TEST(ZmqUnfinishedMessage, AConnectionWithManyWholeMessagesStays) {
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(server.Send(Frame("other", true) + Frame(std::string(4 << 20, 'x'))));
   test::Linger(std::chrono::milliseconds(200));
   EXPECT_TRUE(server.Send(messages));
-  EXPECT_EQ(Overruns(subscriber), 0U);
+  EXPECT_EQ(subscriber.Overruns(), 0U);
 }
 
 TEST(ZmqUnreadAnswers, EndTheConnectionToAPublisher) {
@@ -161,65 +141,23 @@ TEST(ZmqUnreadAnswers, EndTheConnectionToAPublisher) {
   EXPECT_FALSE(server.Accept(500)) << "it is not tried again at once";
 }
 
-/// Passes one connection on, in one direction slowly.
-class SlowCable {
- public:
-  SlowCable(std::uint16_t port, std::size_t bytes_per_ms)
-      : relay_(port), thread_([this, bytes_per_ms] {
-          auto pair = relay_.Accept();
-          if (!pair) return;
-          std::thread back([&] { Pass(pair->client, pair->server, 0); });
-          Pass(pair->server, pair->client, bytes_per_ms);
-          shutdown(pair->client, SHUT_RDWR);
-          shutdown(pair->server, SHUT_RDWR);
-          back.join();
-          pair->Close();
-        }) {}
-  SlowCable(const SlowCable&) = delete;
-  SlowCable& operator=(const SlowCable&) = delete;
-  ~SlowCable() {
-    stop_ = true;
-    thread_.join();
-  }
-  [[nodiscard]] std::string endpoint() const { return "tcp://127.0.0.1:" + std::to_string(relay_.port()); }
-
- private:
-  void Pass(int from, int to, std::size_t bytes_per_ms) {
-    constexpr int kSliceMs = 10;
-    std::vector<char> bytes(bytes_per_ms > 0 ? bytes_per_ms * kSliceMs : 65536);
-    while (!stop_) {
-      pollfd ready{from, POLLIN, 0};
-      if (poll(&ready, 1, 20) != 1) continue;
-      const auto got = recv(from, bytes.data(), bytes.size(), 0);
-      if (got <= 0 || send(to, bytes.data(), static_cast<std::size_t>(got), MSG_NOSIGNAL) != got) return;
-      if (bytes_per_ms > 0) test::Linger(std::chrono::milliseconds(kSliceMs));
-    }
-  }
-
-  std::atomic<bool> stop_{false};
-  test::RelayPort relay_;
-  std::thread thread_;
-};
-
 TEST(ZmqUnfinishedMessage, ItsProgressIsASignOfLife) {
-  const Place publisher{PublishAt("tcp://127.0.0.1:*")};
-  const std::string bound = publisher.transport->BoundEndpoints().front();
-  const SlowCable cable(static_cast<std::uint16_t>(std::stoi(bound.substr(bound.rfind(':') + 1))), 1000);
-  conformance::Source source;
-  const auto out = publisher.transport->Advertise("scan", TextType(), source);
-  Place subscriber{SubscribeAt(cable.endpoint())};
-  conformance::Sink sink;
-  const auto in = subscriber.transport->Subscribe("scan", TextType(), {}, sink);
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
-  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
+  const Place publisher{PublishAt()};
+  test::Spoiler slow(publisher.Bound(), test::Spoiler::Side::kServer, test::Spoiler::Then::kGoesOn,
+                     [](std::span<char> bytes) {
+                       test::Linger(std::chrono::microseconds(bytes.size()));  // It spoils nothing.
+                       return false;
+                     });
+  slow.Spoil();
+  conformance::Publication out(*publisher.transport, "scan");
+  Place subscriber{SubscribeAt(slow.endpoint())};
+  const Reception in(*subscriber.transport, "scan");
+  ASSERT_TRUE(out.Joined());
   // It takes longer than the patience with a silent peer: 3 s.
-  out->Commit(head, conformance::Publication::PayloadOf(std::string(4'500'000, 'x')));
-  EXPECT_TRUE(test::Await([&] { return sink.count() == 1; }, std::chrono::seconds(60)));
+  ASSERT_EQ(out.Publish(std::string(4'500'000, 'x')), PublishStatus::kOk);
+  EXPECT_TRUE(test::Await([&] { return in.sink.count() == 1; }, std::chrono::seconds(60)));
   EXPECT_EQ(subscriber.listener.gone, 0);
-  EXPECT_EQ(Overruns(subscriber), 0U);
+  EXPECT_EQ(subscriber.Overruns(), 0U);
 }
 
 }  // namespace

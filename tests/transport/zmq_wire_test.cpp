@@ -15,6 +15,7 @@ namespace {
 
 using conformance::Eventually;
 using conformance::Publication;
+using conformance::Reception;
 using conformance::TextType;
 using test::Folder;
 using test::Place;
@@ -41,37 +42,42 @@ std::uint64_t FaultSum(const Transport& transport) {
 
 class PlainPublisher : public testing::Test {
  protected:
-  PlainPublisher() : pub(ZMQ_XPUB) {
-    zmq_bind(pub.get(), folder.Ipc().c_str());
-    place = std::make_unique<Place>(SubscribeAt(folder.Ipc()));
-    channel = place->transport->Subscribe("scan", TextType(), {}, sink);
+  void Subscribe() {
+    pub.Bind(folder.Ipc());
+    place.emplace(SubscribeAt(folder.Ipc()));
+    in.emplace(*place->transport, "scan", type);
     // The control topic comes first. Without a Welcome, the plain topic follows.
     EXPECT_EQ(pub.Receive().front()[1], '\2');
     EXPECT_EQ(pub.Receive().front(), '\1' + PlainTopic("scan"));
   }
+  void Send(const std::string& head, const std::string& data) const { pub.Send({PlainTopic("scan"), head, data}); }
+
   Folder folder;
-  RawSocket pub;
-  conformance::Sink sink;
-  std::unique_ptr<Place> place;
-  std::unique_ptr<InboundChannel> channel;
+  RawSocket pub{ZMQ_XPUB};
+  TypeInfo type = TextType();
+  std::optional<Place> place;
+  std::optional<Reception> in;
 };
 
 TEST_F(PlainPublisher, IsReceivedWithoutAHandshake) {
-  pub.Send({PlainTopic("scan"), Head("scan"), "hello"});
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
-  EXPECT_EQ(sink.texts().front(), "hello");
-  EXPECT_EQ(channel->publisher_count(), 0u);
+  Subscribe();
+  Send(Head("scan"), "hello");
+  ASSERT_TRUE(Eventually([&] { return in->sink.count() == 1; }));
+  EXPECT_EQ(in->sink.texts().front(), "hello");
+  EXPECT_EQ(in->channel->publisher_count(), 0u);
 }
 
 TEST_F(PlainPublisher, RepeatsOfNumberedMessagesAreDropped) {
-  for (int i = 0; i < 3; ++i) pub.Send({PlainTopic("scan"), Head("scan", 5), "once"});
-  pub.Send({PlainTopic("scan"), Head("scan", 6), "last"});
-  ASSERT_TRUE(Eventually([&] { return sink.count() >= 2; }));
-  EXPECT_EQ(sink.texts(), (std::vector<std::string>{"once", "last"}));
+  Subscribe();
+  for (int i = 0; i < 3; ++i) Send(Head("scan", 5), "once");
+  Send(Head("scan", 6), "last");
+  ASSERT_TRUE(Eventually([&] { return in->sink.count() >= 2; }));
+  EXPECT_EQ(in->sink.texts(), (std::vector<std::string>{"once", "last"}));
   EXPECT_EQ(place->transport->stats().repeats, 2u);
 }
 
 TEST_F(PlainPublisher, MalformedPacketsAreDroppedAndCountedByKind) {
+  Subscribe();
   std::string wrong_separator = Head("scan");
   wrong_separator[4] = 'x';
   std::string wrong_length = Head("scan");
@@ -79,24 +85,24 @@ TEST_F(PlainPublisher, MalformedPacketsAreDroppedAndCountedByKind) {
   pub.Send({PlainTopic("scan")});
   pub.Send({PlainTopic("scan"), Head("scan")});
   pub.Send({PlainTopic("scan"), Head("scan"), "data", "more"});
-  pub.Send({PlainTopic("scan"), "", "data"});
-  pub.Send({PlainTopic("scan"), wrong_separator, "data"});
-  pub.Send({PlainTopic("scan"), wrong_length, "data"});
-  pub.Send({PlainTopic("scan"), Head("scan_other"), "data"});
-  pub.Send({PlainTopic("scan"), Head("scan", 0, "another.Type"), "data"});
-  pub.Send({PlainTopic("scan"), Head("scan"), "good"});
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 1; }));
-  EXPECT_EQ(sink.texts().front(), "good");
-  EXPECT_EQ(sink.faults, 8);
-  const auto faults = place->transport->stats().faults;
+  Send("", "data");
+  Send(wrong_separator, "data");
+  Send(wrong_length, "data");
+  Send(Head("scan_other"), "data");
+  Send(Head("scan", 0, "another.Type"), "data");
+  Send(Head("scan"), "good");
+  ASSERT_TRUE(Eventually([&] { return in->sink.count() == 1; }));
+  EXPECT_EQ(in->sink.texts().front(), "good");
+  EXPECT_EQ(in->sink.faults, 8);
   // One frame, two frames, no head, and a head with a length beyond its end.
-  EXPECT_EQ(faults[static_cast<std::size_t>(PacketFault::kTruncated)], 4u);
-  EXPECT_EQ(faults[static_cast<std::size_t>(PacketFault::kSeparator)], 1u);
-  EXPECT_EQ(faults[static_cast<std::size_t>(PacketFault::kTopic)], 1u);
-  EXPECT_EQ(faults[static_cast<std::size_t>(PacketFault::kType)], 1u);
+  EXPECT_EQ(place->Faults(PacketFault::kTruncated), 4u);
+  EXPECT_EQ(place->Faults(PacketFault::kSeparator), 1u);
+  EXPECT_EQ(place->Faults(PacketFault::kTopic), 1u);
+  EXPECT_EQ(place->Faults(PacketFault::kType), 1u);
 }
 
 TEST_F(PlainPublisher, RandomFramesDoNoHarm) {
+  Subscribe();
   for (unsigned seed = 1; seed <= 200; ++seed) {
     std::mt19937 random(seed);
     std::vector<std::string> frames{PlainTopic("scan")};
@@ -113,9 +119,9 @@ TEST_F(PlainPublisher, RandomFramesDoNoHarm) {
     }
     pub.Send(frames);
   }
-  pub.Send({PlainTopic("scan"), Head("scan"), "good"});
+  Send(Head("scan"), "good");
   EXPECT_TRUE(Eventually([&] {
-    const auto texts = sink.texts();
+    const auto texts = in->sink.texts();
     return !texts.empty() && texts.back() == "good";
   }));
   EXPECT_GT(FaultSum(*place->transport), 0u);
@@ -126,9 +132,8 @@ class ManySessions : public testing::Test {
  protected:
   void Bind() {
     pub = std::make_unique<RawSocket>(ZMQ_XPUB);
-    const int no_limit = 0;
-    zmq_setsockopt(pub->get(), ZMQ_SNDHWM, &no_limit, sizeof no_limit);
-    ASSERT_EQ(zmq_bind(pub->get(), folder.Ipc().c_str()), 0);
+    pub->Set(ZMQ_SNDHWM, 0);
+    pub->Bind(folder.Ipc());
   }
   /// Waits for a connection; false if none comes.
   [[nodiscard]] bool AwaitConnection() {
@@ -154,10 +159,10 @@ TEST_F(ManySessions, ComeOverOneConnectionOnlySoOften) {
   ASSERT_TRUE(AwaitConnection());
   constexpr std::uint64_t kMany = 1000;
   for (std::uint64_t id = 1; id <= kMany; ++id) Welcome({id});
-  ASSERT_TRUE(Eventually([&] { return test::Overruns(place) > 0 || place.listener.came == kMany; }));
+  ASSERT_TRUE(Eventually([&] { return place.Overruns() > 0 || place.listener.came == kMany; }));
   EXPECT_TRUE(Eventually([&] { return place.listener.gone == zmq::PublisherConnection::kMostSessions; }));
   EXPECT_EQ(place.listener.came, zmq::PublisherConnection::kMostSessions);
-  EXPECT_EQ(test::Overruns(place), 1U);
+  EXPECT_EQ(place.Overruns(), 1U);
   EXPECT_TRUE(Eventually([&] { return place.transport->Peers().empty(); }));
   EXPECT_TRUE(Eventually([&] { return place.TimesSaid("sessions came and went over one connection") == 1; }));
 }
@@ -172,8 +177,7 @@ TEST_F(ManySessions, DoNotComeOverAConnectionThatHasEnded) {
   constexpr std::uint64_t kMany = 50'000;
   for (std::uint64_t i = 0; i < kMany; ++i) pub->Send({topic, "not a control message"});
   Welcome({1});
-  const int linger = 5000;
-  zmq_setsockopt(pub->get(), ZMQ_LINGER, &linger, sizeof linger);
+  pub->Set(ZMQ_LINGER, 5000);
   pub.reset();
   EXPECT_TRUE(Eventually([&] { return place.listener.gone == 1; }));
   EXPECT_FALSE(test::Await([&] { return place.listener.came > 1; }, std::chrono::seconds(1)));
@@ -190,32 +194,20 @@ TEST_F(ManySessions, MayComeOneAfterTheOtherWithConnectionsOfTheirOwn) {
     pub.reset();
     ASSERT_TRUE(Eventually([&] { return place.listener.gone == i; }));
   }
-  EXPECT_EQ(test::Overruns(place), 0U);
+  EXPECT_EQ(place.Overruns(), 0U);
 }
 
 TEST(PlainSubscriber, GetsThreeFramesAndCountsAsOne) {
   Folder folder;
   Place place(PublishAt(folder.Ipc()));
-  conformance::Source source;
-  const auto out = place.transport->Advertise("scan", TextType(), source);
-  const auto similar = place.transport->Advertise("scan_filtered", TextType(), source);
-  RawSocket first(ZMQ_SUB), second(ZMQ_SUB);
-  for (const auto* sub : {&first, &second}) {
-    zmq_connect(sub->get(), folder.Ipc().c_str());
-    const std::string topic = PlainTopic("scan");
-    zmq_setsockopt(sub->get(), ZMQ_SUBSCRIBE, topic.data(), topic.size());
-  }
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
-  EXPECT_EQ(similar->subscriber_count(), 0u);
-  PacketHead head;
-  head.channel = "scan";
-  head.type_name = TextType().name;
-  head.encoding = Encoding::kCustom;
-  head.id = {1, 1, 1};
+  Publication out(*place.transport, "scan");
+  const Publication similar(*place.transport, "scan_filtered");
+  const RawSocket first(folder.Ipc(), "scan"), second(folder.Ipc(), "scan");
+  ASSERT_TRUE(out.Joined());
+  EXPECT_EQ(similar.channel->subscriber_count(), 0u);
   std::vector<std::string> frames;
   for (int i = 0; frames.empty() && i < 100; ++i) {  // The second subscriber need not have joined.
-    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-    out->Commit(head, Publication::PayloadOf(std::string(5000, 'x')));
+    ASSERT_EQ(out.Publish(std::string(5000, 'x')), PublishStatus::kOk);
     frames = first.Receive(100);
   }
   ASSERT_EQ(frames.size(), 3u);
@@ -233,23 +225,12 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
     ZmqOptions options = PublishAt(endpoint);
     options.plain_queue_bytes = 16 << 20;
     Place place(std::move(options));
-    conformance::Source source;
-    const auto out = place.transport->Advertise("cloud", TextType(), source);
-    const std::string bound = place.transport->BoundEndpoints().front();
-    RawSocket stuck(ZMQ_SUB), reader(ZMQ_SUB);
-    const int few = 1;
-    zmq_setsockopt(stuck.get(), ZMQ_RCVHWM, &few, sizeof few);
-    for (const auto* sub : {&stuck, &reader}) {
-      zmq_connect(sub->get(), bound.c_str());
-      zmq_setsockopt(sub->get(), ZMQ_SUBSCRIBE, "cloud", sizeof "cloud");
-    }
-    ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
-    PacketHead head;
-    head.channel = "cloud";
-    head.encoding = Encoding::kCustom;
+    Publication out(*place.transport, "cloud");
+    const RawSocket stuck(place.Bound(), "cloud", 1), reader(place.Bound(), "cloud");
+    ASSERT_TRUE(out.Joined());
     int received = 0;
     for (int i = 0; i < kMessages; ++i) {
-      out->Commit(head, Publication::PayloadOf(std::string(100'000, 'x')));
+      (void)out.Publish(std::string(100'000, 'x'));
       received += reader.Receive(20).empty() ? 0 : 1;
     }
     while (!reader.Receive(500).empty()) ++received;  // On a busy machine it is some messages behind.
@@ -257,7 +238,7 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
     EXPECT_TRUE(place.Said("does not read fast enough")) << endpoint;
     // It learns that, and connects again.
     EXPECT_TRUE(test::Await([&] {
-      out->Commit(head, Publication::PayloadOf("news"));
+      (void)out.Publish("news");
       const std::vector<std::string> frames = stuck.Receive(20);
       return !frames.empty() && frames.back().find("news") != std::string::npos;
     })) << endpoint;
@@ -265,30 +246,18 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
 }
 
 TEST(PlainSubscriber, IsNotCutOffIfItsConnectionIsASessions) {
-  ZmqOptions options = PublishAt("tcp://127.0.0.1:*");
+  ZmqOptions options = PublishAt();
   options.plain_queue_bytes = 4 << 20;
   Place place(std::move(options));
-  conformance::Source source;
-  const auto out = place.transport->Advertise("cloud", TextType(), source);
-  const std::string bound = place.transport->BoundEndpoints().front();
-  RawSocket session(ZMQ_SUB), reader(ZMQ_SUB);
-  const int few = 1;
-  zmq_setsockopt(session.get(), ZMQ_RCVHWM, &few, sizeof few);
-  for (const auto* sub : {&session, &reader}) {
-    zmq_connect(sub->get(), bound.c_str());
-    zmq_setsockopt(sub->get(), ZMQ_SUBSCRIBE, "cloud", sizeof "cloud");
-  }
-  const std::string control = zmq::ControlTopic(SessionId::Random());
-  zmq_setsockopt(session.get(), ZMQ_SUBSCRIBE, control.data(), control.size());
+  Publication out(*place.transport, "cloud");
+  const RawSocket session(place.Bound(), "cloud", 1), reader(place.Bound(), "cloud");
+  session.Set(ZMQ_SUBSCRIBE, zmq::ControlTopic(SessionId::Random()));
   ASSERT_FALSE(session.Receive().empty()) << "its Welcome";
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
-  PacketHead head;
-  head.channel = "cloud";
-  head.encoding = Encoding::kCustom;
+  ASSERT_TRUE(out.Joined());
   ASSERT_TRUE(test::Await([&] {
-    out->Commit(head, Publication::PayloadOf(std::string(100'000, 'x')));
+    (void)out.Publish(std::string(100'000, 'x'));
     (void)reader.Receive(10);
-    return out->stats().dropped >= 100 || place.Said("does not read fast enough");
+    return out.channel->stats().dropped >= 100 || place.Said("does not read fast enough");
   })) << "the bytes of all plain subscribers are not used up";
   EXPECT_FALSE(place.Said("does not read fast enough"));
 }
@@ -298,52 +267,31 @@ TEST(PlainSubscriber, HasALimitOfWaitingBytesIfItDoesNotRead) {
   ZmqOptions options = PublishAt(folder.Ipc());
   options.plain_queue_bytes = 1 << 20;
   Place place(std::move(options));
-  conformance::Source source;
-  const auto out = place.transport->Advertise("cloud", TextType(), source);
-  RawSocket sub(ZMQ_SUB);
-  const int few = 1;
-  zmq_setsockopt(sub.get(), ZMQ_RCVHWM, &few, sizeof few);
-  zmq_connect(sub.get(), folder.Ipc().c_str());
-  zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, "cloud", sizeof "cloud");
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1; }));
-  PacketHead head;
-  head.channel = "cloud";
-  head.encoding = Encoding::kCustom;
-  for (int i = 0; i < 200; ++i) {
-    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-    out->Commit(head, Publication::PayloadOf(std::string(100'000, 'x')));
-  }
-  EXPECT_GT(out->stats().dropped, 50u);
+  Publication out(*place.transport, "cloud");
+  const RawSocket sub(folder.Ipc(), "cloud", 1);
+  ASSERT_TRUE(out.Joined());
+  for (int i = 0; i < 200; ++i) ASSERT_EQ(out.Publish(std::string(100'000, 'x')), PublishStatus::kOk);
+  EXPECT_GT(out.channel->stats().dropped, 50u);
 }
 
 TEST_F(PlainPublisher, MessagesBeyondTheWindowAreDropped) {
-  sink.hold_credit = true;
-  channel->SetDemand({.queue_depth = 4, .credit_messages = 4});
-  for (int i = 1; i <= 10; ++i) pub.Send({PlainTopic("scan"), Head("scan"), std::to_string(i)});
-  const auto overruns = [&] {
-    return place->transport->stats().faults[static_cast<std::size_t>(PacketFault::kOverrun)];
-  };
-  ASSERT_TRUE(Eventually([&] { return overruns() == 6; }));
-  ASSERT_TRUE(Eventually([&] { return sink.faults == 6; }));
-  EXPECT_EQ(sink.texts(), (std::vector<std::string>{"1", "2", "3", "4"}));
-  sink.Release(1);
-  pub.Send({PlainTopic("scan"), Head("scan"), "11"});
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 5; }));
-  EXPECT_EQ(sink.texts().back(), "11");
+  Subscribe();
+  in->sink.hold_credit = true;
+  in->channel->SetDemand({.queue_depth = 4, .credit_messages = 4});
+  for (int i = 1; i <= 10; ++i) Send(Head("scan"), std::to_string(i));
+  ASSERT_TRUE(Eventually([&] { return place->Overruns() == 6; }));
+  ASSERT_TRUE(Eventually([&] { return in->sink.faults == 6; }));
+  EXPECT_EQ(in->sink.texts(), (std::vector<std::string>{"1", "2", "3", "4"}));
+  in->sink.Release(1);
+  Send(Head("scan"), "11");
+  ASSERT_TRUE(Eventually([&] { return in->sink.count() == 5; }));
+  EXPECT_EQ(in->sink.texts().back(), "11");
 }
 
-TEST(PlainReception, RefusesAnotherLayoutEvenIfTheHeadNamesNoType) {
-  Folder folder;
-  RawSocket pub(ZMQ_XPUB);
-  zmq_bind(pub.get(), folder.Ipc().c_str());
-  Place place(SubscribeAt(folder.Ipc()));
-  TypeInfo type = TextType();
+TEST_F(PlainPublisher, IsRefusedWithAnotherLayoutEvenIfTheHeadNamesNoType) {
   type.encoding = Encoding::kPlain;
   type.fingerprint = 1;
-  conformance::Sink sink;
-  const auto channel = place.transport->Subscribe("scan", type, {}, sink);
-  EXPECT_EQ(pub.Receive().front()[1], '\2');
-  EXPECT_EQ(pub.Receive().front(), '\1' + PlainTopic("scan"));
+  Subscribe();
   for (const std::uint64_t fingerprint : {2u, 1u}) {
     PacketHead head;
     head.channel = "scan";
@@ -351,42 +299,33 @@ TEST(PlainReception, RefusesAnotherLayoutEvenIfTheHeadNamesNoType) {
     head.fingerprint = fingerprint;
     std::string frame;
     EncodeHeadFrame(head, frame);
-    pub.Send({PlainTopic("scan"), frame, std::to_string(fingerprint)});
+    Send(frame, std::to_string(fingerprint));
   }
-  ASSERT_TRUE(Eventually([&] { return sink.count() > 0; }));
-  EXPECT_EQ(sink.texts(), std::vector<std::string>{"1"});
-  EXPECT_EQ(place.transport->stats().faults[static_cast<std::size_t>(PacketFault::kType)], 1u);
+  ASSERT_TRUE(Eventually([&] { return in->sink.count() > 0; }));
+  EXPECT_EQ(in->sink.texts(), std::vector<std::string>{"1"});
+  EXPECT_EQ(place->Faults(PacketFault::kType), 1u);
 }
 
 TEST(PlainSubscriber, MayLeaveWithoutEndingTheSubscriptionOfAnother) {
   Folder folder;
   Place place(PublishAt(folder.Ipc()));
-  conformance::Source source;
-  const auto out = place.transport->Advertise("scan", TextType(), source);
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
+  Publication out(*place.transport, "scan");
   const auto hears = [&](const RawSocket& sub) {
     return Eventually([&] {
-      if (out->Reserve() == PublishStatus::kOk) out->Commit(head, Publication::PayloadOf("x"));
+      (void)out.Publish("x");
       return !sub.Receive(0).empty();
     });
   };
-  const std::string topic = PlainTopic("scan");
-  RawSocket stays(ZMQ_SUB);
-  zmq_setsockopt(stays.get(), ZMQ_SUBSCRIBE, topic.data(), topic.size());
-  zmq_connect(stays.get(), folder.Ipc().c_str());
+  const RawSocket stays(folder.Ipc(), "scan");
   {
-    RawSocket leaves(ZMQ_SUB);
-    zmq_setsockopt(leaves.get(), ZMQ_SUBSCRIBE, topic.data(), topic.size());
-    zmq_connect(leaves.get(), folder.Ipc().c_str());
+    const RawSocket leaves(folder.Ipc(), "scan");
     ASSERT_TRUE(hears(stays) && hears(leaves));
-    zmq_setsockopt(leaves.get(), ZMQ_UNSUBSCRIBE, topic.data(), topic.size());
+    leaves.Set(ZMQ_UNSUBSCRIBE, PlainTopic("scan"));
   }
   while (!stays.Receive(100).empty()) {
   }
   EXPECT_TRUE(hears(stays));
-  EXPECT_EQ(out->subscriber_count(), 1u);
+  EXPECT_EQ(out.channel->subscriber_count(), 1u);
 }
 
 /// Plain filters that are not whole topics, at an ipc or a tcp endpoint.
@@ -398,46 +337,37 @@ class InvalidFilter : public testing::TestWithParam<bool> {
 };
 
 TEST_P(InvalidFilter, HoldsNoMessagesOfSessions) {
-  const std::string endpoint = publisher.transport->BoundEndpoints().front();
-  Place session(SubscribeAt(endpoint));
-  conformance::Source source;
-  conformance::Sink sink;
-  const auto out = publisher.transport->Advertise("scan", TextType(), source);
-  const auto in = session.transport->Subscribe("scan", TextType(), {.lossless = true, .credit_messages = 8}, sink);
-  RawSocket sub(ZMQ_SUB);
-  const int few = 1;
-  const int small = 1 << 16;
-  zmq_setsockopt(sub.get(), ZMQ_RCVHWM, &few, sizeof few);
-  zmq_setsockopt(sub.get(), ZMQ_RCVBUF, &small, sizeof small);
-  zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, "", 0);
-  zmq_connect(sub.get(), endpoint.c_str());
-  ASSERT_TRUE(Eventually([&] { return out->subscriber_count() == 1 && publisher.Said("a zero byte"); }));
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
+  Place session(SubscribeAt(publisher.Bound()));
+  Publication out(*publisher.transport, "scan");
+  const Reception in(*session.transport, "scan", TextType(), {.lossless = true, .credit_messages = 8});
+  const RawSocket sub(ZMQ_SUB);
+  sub.Set(ZMQ_RCVHWM, 1);
+  sub.Set(ZMQ_RCVBUF, 1 << 16);
+  sub.Set(ZMQ_SUBSCRIBE, "");
+  sub.Connect(publisher.Bound());
+  ASSERT_TRUE(Eventually([&] { return out.channel->subscriber_count() == 1 && publisher.Said("a zero byte"); }));
   constexpr std::size_t kCount = 200;
   std::vector<std::weak_ptr<const void>> held;
   for (std::size_t i = 0; i < kCount; ++i) {
-    ASSERT_TRUE(Eventually([&] { return out->Reserve() == PublishStatus::kOk; }));
+    ASSERT_TRUE(Eventually([&] { return out.channel->Reserve() == PublishStatus::kOk; }));
     Payload data = Publication::PayloadOf(std::string(100'000, 'x'));
     held.emplace_back(data.owner);
-    out->Commit(head, data);
+    out.channel->Commit(out.NextHead(), data);
   }
-  ASSERT_TRUE(Eventually([&] { return sink.count() == kCount; }));
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == kCount; }));
   EXPECT_TRUE(Eventually([&] { return std::ranges::all_of(held, [](const auto& one) { return one.expired(); }); }))
       << std::ranges::count_if(held, [](const auto& one) { return !one.expired(); }) << " messages wait for a filter";
-  EXPECT_EQ(out->subscriber_count(), 1u);
+  EXPECT_EQ(out.channel->subscriber_count(), 1u);
 }
 
 TEST_P(InvalidFilter, ClosesTheConnection) {
-  const std::string endpoint = publisher.transport->BoundEndpoints().front();
   const std::string peer = PeerTopic("scan", SessionId::Random());
   for (const std::string& filter : {std::string(), std::string("scan"), peer.substr(0, 5), peer.substr(0, 20),
                                     peer + '\3', std::string("\2"), PlainTopic("scan") + 'x', std::string(300, 'x')}) {
     RawSocket sub(ZMQ_SUB);
     RawSocket monitor(sub, "inproc://monitor", ZMQ_EVENT_DISCONNECTED);
-    zmq_setsockopt(sub.get(), ZMQ_SUBSCRIBE, filter.data(), filter.size());
-    zmq_connect(sub.get(), endpoint.c_str());
+    sub.Set(ZMQ_SUBSCRIBE, filter);
+    sub.Connect(publisher.Bound());
     EXPECT_FALSE(monitor.Receive().empty()) << testing::PrintToString(filter);
   }
 }
@@ -448,9 +378,8 @@ INSTANTIATE_TEST_SUITE_P(PlainSubscriber, InvalidFilter, testing::Bool(),
 /// A subscriber that may send any control message.
 class LyingSubscriber : public testing::Test {
  protected:
-  LyingSubscriber() : place(PublishAt(folder.Ipc())), sub(ZMQ_XSUB) {
-    out = place.transport->Advertise("scan", TextType(), source);
-    zmq_connect(sub.get(), folder.Ipc().c_str());
+  LyingSubscriber() {
+    sub.Connect(folder.Ipc());
     sub.Send({"\1\2" + id.ToString()});
     sub.Send({'\1' + PeerTopic("scan", id)});
     welcome = Next().welcome();
@@ -469,17 +398,16 @@ class LyingSubscriber : public testing::Test {
       if (frames.empty() || frames.size() == 3) return frames;
     }
   }
-  wire::Control Speak() const {
-    wire::Control control;
-    control.set_session(id.value);
-    return control;
-  }
+  wire::Control Speak() const { return zmq::ControlFrom(id); }
   void Say(const wire::Control& control) { sub.Send({'\2' + control.SerializeAsString()}); }
-  void Join(std::uint32_t credit_messages) {
+  void SayHello() {
     auto hello = Speak();
     hello.mutable_hello()->mutable_facts()->set_wire_major(1);
     hello.mutable_hello()->set_handshake(welcome.handshake());
     Say(hello);
+  }
+  void Join(std::uint32_t credit_messages) {
+    SayHello();
     auto subscribe = Speak();
     auto& asked = *subscribe.mutable_subscribe();
     asked.mutable_wanted()->set_channel("scan");
@@ -494,11 +422,10 @@ class LyingSubscriber : public testing::Test {
   }
 
   Folder folder;
-  Place place;
-  RawSocket sub;
+  Place place{PublishAt(folder.Ipc())};
+  Publication out{*place.transport, "scan"};
+  RawSocket sub{ZMQ_XSUB};
   const SessionId id = SessionId::Random();
-  conformance::Source source;
-  std::unique_ptr<OutboundChannel> out;
   wire::Welcome welcome;
   wire::Subscribed subscribed;
 };
@@ -517,10 +444,7 @@ TEST_F(LyingSubscriber, IsDisconnectedAfterATooLongMessage) {
 }
 
 TEST_F(LyingSubscriber, CannotAskForATooLongTypeName) {
-  auto hello = Speak();
-  hello.mutable_hello()->mutable_facts()->set_wire_major(1);
-  hello.mutable_hello()->set_handshake(welcome.handshake());
-  Say(hello);
+  SayHello();
   auto subscribe = Speak();
   subscribe.mutable_subscribe()->mutable_wanted()->set_channel("scan");
   subscribe.mutable_subscribe()->mutable_wanted()->set_type_name(std::string(2000, 'T'));
@@ -531,13 +455,7 @@ TEST_F(LyingSubscriber, CannotAskForATooLongTypeName) {
 
 TEST_F(LyingSubscriber, GetsPromisedMessagesEvenIfItNeverReadAboutItsLink) {
   Join(4);
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
-  for (const char* text : {"1", "2"}) {
-    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-    out->Commit(head, Publication::PayloadOf(text));
-  }
+  for (const char* text : {"1", "2"}) ASSERT_EQ(out.Publish(text), PublishStatus::kOk);
   // As after a cut: the same session subscribes again, gets a Welcome, and knows no link.
   const std::uint64_t link = subscribed.link();
   sub.Send({std::string("\0\2", 2) + id.ToString()});
@@ -552,7 +470,7 @@ TEST_F(LyingSubscriber, GetsPromisedMessagesEvenIfItNeverReadAboutItsLink) {
     ASSERT_EQ(frames.size(), 3u);
     EXPECT_EQ(frames[2], text);
   }
-  EXPECT_EQ(out->stats().missed, 0u);
+  EXPECT_EQ(out.channel->stats().missed, 0u);
 }
 
 TEST_F(LyingSubscriber, GetsNoCreditForMessagesThatWereNotSent) {
@@ -563,14 +481,8 @@ TEST_F(LyingSubscriber, GetsNoCreditForMessagesThatWereNotSent) {
   credit.mutable_credit()->set_consumed_messages(1'000'000);
   Say(credit);
   ASSERT_TRUE(Eventually([&] { return FaultSum(*place.transport) > 0; }));
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
-  for (int i = 0; i < 2; ++i) {
-    ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-    out->Commit(head, Publication::PayloadOf("x"));
-  }
-  EXPECT_EQ(out->Reserve(), PublishStatus::kFull);
+  for (int i = 0; i < 2; ++i) ASSERT_EQ(out.Publish("x"), PublishStatus::kOk);
+  EXPECT_EQ(out.Publish("x"), PublishStatus::kFull);
 }
 
 TEST_F(LyingSubscriber, RandomControlMessagesDoNoHarm) {
@@ -604,32 +516,29 @@ TEST_F(LyingSubscriber, RandomControlMessagesDoNoHarm) {
     sub.Send({frame});
   }
   Place honest(SubscribeAt(folder.Ipc()));
-  conformance::Sink sink;
-  const auto in = honest.transport->Subscribe("scan", TextType(), {}, sink);
-  PacketHead head;
-  head.channel = "scan";
-  head.encoding = Encoding::kCustom;
+  const Reception in(*honest.transport, "scan");
   EXPECT_TRUE(Eventually([&] {
-    if (out->Reserve() == PublishStatus::kOk) out->Commit(head, Publication::PayloadOf("x"));
-    return sink.count() > 0;
+    (void)out.Publish("x");
+    return in.sink.count() > 0;
   }));
 }
 
 /// A publisher that may send any message.
 class LyingPublisher : public testing::Test {
  protected:
-  LyingPublisher() : pub(ZMQ_XPUB) {
-    zmq_bind(pub.get(), folder.Ipc().c_str());
-    place = std::make_unique<Place>(SubscribeAt(folder.Ipc()));
+  LyingPublisher() {
+    pub.Bind(folder.Ipc());
+    place.emplace(SubscribeAt(folder.Ipc()));
     subscriber = SessionId::FromString(pub.Receive().front().substr(2));
   }
-  /// Reads until a message of the subscriber for which `is` returns true.
-  wire::Control Await(const std::function<bool(const wire::Control&)>& is) {
+  /// The next wish of the subscriber that answers this Welcome.
+  wire::Subscribe NextWish() {
     for (;;) {
       const auto frames = pub.Receive();
-      if (frames.empty()) return {};
       wire::Control control;
-      if (frames[0][0] == '\2' && control.ParseFromString(frames[0].substr(1)) && is(control)) return control;
+      if (frames.empty()) return {};
+      if (frames[0][0] != '\2' || !control.ParseFromString(frames[0].substr(1))) continue;
+      if (control.has_subscribe() && control.subscribe().handshake() == handshake) return control.subscribe();
     }
   }
   void Say(wire::Control control) {
@@ -642,15 +551,14 @@ class LyingPublisher : public testing::Test {
     welcome.mutable_welcome()->mutable_facts()->set_wire_major(1);
     welcome.mutable_welcome()->set_handshake(++handshake);
     Say(welcome);
-    const auto asked = Await(
-        [&](const wire::Control& said) { return said.has_subscribe() && said.subscribe().handshake() == handshake; });
+    const wire::Subscribe asked = NextWish();
     wire::Control subscribed;
     auto& offered = *subscribed.mutable_subscribed()->mutable_offered();
-    offered = asked.subscribe().wanted();
+    offered = asked.wanted();
     offered.set_fingerprint(fingerprint);
     if (type.descriptor_set != nullptr) subscribed.mutable_subscribed()->set_descriptor_set(type.descriptor_set());
     subscribed.mutable_subscribed()->set_link(handshake);
-    subscribed.mutable_subscribed()->set_wish(asked.subscribe().wish() ^ ~wish_bits);
+    subscribed.mutable_subscribed()->set_wish(asked.wish() ^ ~wish_bits);
     subscribed.mutable_subscribed()->set_credit_messages(~0u);
     subscribed.mutable_subscribed()->set_credit_bytes(~std::uint64_t{0});
     Say(subscribed);
@@ -664,16 +572,12 @@ class LyingPublisher : public testing::Test {
     EncodeHeadFrame(head, frame);
     pub.Send({topic, frame, text});
   }
-  [[nodiscard]] std::uint64_t Faults(PacketFault fault) const {
-    return place->transport->stats().faults[static_cast<std::size_t>(fault)];
-  }
 
   Folder folder;
-  RawSocket pub;
+  RawSocket pub{ZMQ_XPUB};
   const SessionId id = SessionId::Random();
   SessionId subscriber;
-  conformance::Sink sink;
-  std::unique_ptr<Place> place;
+  std::optional<Place> place;
   std::uint64_t handshake = 0;
   std::uint64_t number = 0;
 };
@@ -689,20 +593,20 @@ PacketHead HeadOf(const TypeInfo& type, const MessageId& id) {
 }
 
 TEST_F(LyingPublisher, CannotSendMessagesOfAnotherSession) {
-  const auto in = place->transport->Subscribe("scan", TextType(), {}, sink);
+  const Reception in(*place->transport, "scan");
   Join(TextType(), 0);
   SendData(HeadOf(TextType(), {id.value + 1, ~std::uint64_t{0}, 1}), "pretender");
   SendData(HeadOf(TextType(), {id.value, 1, 1}), "itself");
   SendData(HeadOf(TextType(), {}), "nobody");
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 2; }));
-  EXPECT_EQ(sink.texts(), (std::vector<std::string>{"itself", "nobody"}));
-  EXPECT_EQ(Faults(PacketFault::kHead), 1u);
-  EXPECT_EQ(sink.faults, 1);
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 2; }));
+  EXPECT_EQ(in.sink.texts(), (std::vector<std::string>{"itself", "nobody"}));
+  EXPECT_EQ(place->Faults(PacketFault::kHead), 1u);
+  EXPECT_EQ(in.sink.faults, 1);
 }
 
 // Its answer to an earlier wish may be followed by any number, also of a version without wishes.
 TEST_F(LyingPublisher, LosesAMessageOnlyAfterTheAnswerToThisWish) {
-  const auto in = place->transport->Subscribe("scan", TextType(), {}, sink);
+  const Reception in(*place->transport, "scan");
   for (const std::uint64_t wish_bits : {std::uint64_t{1}, ~std::uint64_t{0}}) {
     Join(TextType(), 0, wish_bits);
     SendData(HeadOf(TextType(), {}), "first");
@@ -711,7 +615,8 @@ TEST_F(LyingPublisher, LosesAMessageOnlyAfterTheAnswerToThisWish) {
     number = 1;
     SendData(HeadOf(TextType(), {}), "second");
     const bool lost = wish_bits != 1;
-    ASSERT_TRUE(Eventually([&] { return lost ? place->Said("so the connection is made again") : sink.count() == 2; }));
+    ASSERT_TRUE(
+        Eventually([&] { return lost ? place->Said("so the connection is made again") : in.sink.count() == 2; }));
     EXPECT_EQ(place->Said("so the connection is made again"), lost);
   }
 }
@@ -719,27 +624,26 @@ TEST_F(LyingPublisher, LosesAMessageOnlyAfterTheAnswerToThisWish) {
 TEST_F(LyingPublisher, CannotSendAnotherSchemaThanItNamed) {
   const TypeInfo ours = conformance::ProtobufType("hgros.test.Evolving", {{"int32", 1}});
   TypeInfo theirs = conformance::ProtobufType("hgros.test.Evolving", {{"int32", 1}, {"string", 2}});
-  const auto in = place->transport->Subscribe("scan", ours, {}, sink);
+  const Reception in(*place->transport, "scan", ours);
   Join(theirs, theirs.fingerprint);
   SendData(HeadOf(theirs, {id.value, 1, 1}), "named");
   SendData(HeadOf(ours, {id.value, 1, 2}), "ours");
   ++theirs.fingerprint;
   SendData(HeadOf(theirs, {id.value, 1, 3}), "another");
   SendData(HeadOf(ours, {id.value, 1, 4}), "last");
-  ASSERT_TRUE(Eventually([&] { return sink.count() == 3; }));
-  EXPECT_EQ(sink.texts(), (std::vector<std::string>{"named", "ours", "last"}));
-  EXPECT_EQ(Faults(PacketFault::kType), 1u);
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 3; }));
+  EXPECT_EQ(in.sink.texts(), (std::vector<std::string>{"named", "ours", "last"}));
+  EXPECT_EQ(place->Faults(PacketFault::kType), 1u);
 }
 
 TEST_F(LyingPublisher, IsDisconnectedBeyondItsCreditAndMayComeBack) {
-  sink.hold_credit = true;
-  const auto in = place->transport->Subscribe("scan", TextType(), {.credit_messages = 4}, sink);
+  Reception in(*place->transport, "scan", TextType(), {.credit_messages = 4}, conformance::HoldCredit);
   Join(TextType(), 0);
   for (std::uint64_t i = 1; i <= 5; ++i) SendData(HeadOf(TextType(), {id.value, 1, i}), std::to_string(i));
-  ASSERT_TRUE(Eventually([&] { return Faults(PacketFault::kOverrun) == 1 && place->listener.gone == 1; }));
-  EXPECT_EQ(sink.count(), 4u);
-  EXPECT_EQ(in->publisher_count(), 0u);
-  sink.Release(4);
+  ASSERT_TRUE(Eventually([&] { return place->Faults(PacketFault::kOverrun) == 1 && place->listener.gone == 1; }));
+  EXPECT_EQ(in.sink.count(), 4u);
+  EXPECT_EQ(in.channel->publisher_count(), 0u);
+  in.sink.Release(4);
   // It connects again, and its control topic comes with the connection.
   ASSERT_TRUE(Eventually([&] {
     const auto frames = pub.Receive(100);
@@ -747,23 +651,22 @@ TEST_F(LyingPublisher, IsDisconnectedBeyondItsCreditAndMayComeBack) {
   }));
   Join(TextType(), 0);
   SendData(HeadOf(TextType(), {id.value, 1, 6}), "6");
-  EXPECT_TRUE(Eventually([&] { return sink.count() == 5; }));
+  EXPECT_TRUE(Eventually([&] { return in.sink.count() == 5; }));
 }
 
 TEST_F(LyingPublisher, GetsALimitedTotalWindowForManyLinks) {
-  sink.hold_credit = true;
-  const auto in = place->transport->Subscribe("scan", TextType(), {.credit_messages = 4}, sink);
+  Reception in(*place->transport, "scan", TextType(), {.credit_messages = 4}, conformance::HoldCredit);
   std::uint64_t sequence = 0;
   const auto send_four = [&] {
     Join(TextType(), 0);
     for (int i = 0; i < 4; ++i) SendData(HeadOf(TextType(), {id.value, 1, ++sequence}), "x");
   };
   for (int link = 0; link < 8; ++link) send_four();
-  ASSERT_TRUE(Eventually([&] { return sink.count() + Faults(PacketFault::kOverrun) == 32; }));
-  EXPECT_EQ(sink.count(), 16u);
-  sink.Release(16);
+  ASSERT_TRUE(Eventually([&] { return in.sink.count() + place->Faults(PacketFault::kOverrun) == 32; }));
+  EXPECT_EQ(in.sink.count(), 16u);
+  in.sink.Release(16);
   send_four();
-  EXPECT_TRUE(Eventually([&] { return sink.count() == 20; }));
+  EXPECT_TRUE(Eventually([&] { return in.sink.count() == 20; }));
 }
 
 }  // namespace

@@ -3,13 +3,10 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 
-#include <array>
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <future>
 #include <random>
-#include <string>
 #include <thread>
 #include <vector>
 
@@ -34,7 +31,8 @@ struct Ringer {
 /// Each ringer rings again only after its last ring was seen. So it stops if one ring is lost.
 enum class Visitor { kNone, kLooks, kWaitsFirst };
 
-void RingAndWait(Patience patience, int ringers, int waiters, int rounds, Visitor visitor = Visitor::kNone) {
+void RingAndWait(Patience patience, int ringers, int waiters, Visitor visitor) {
+  constexpr int kRounds = 1500;
   SessionBell bell(patience);
   std::vector<std::atomic<int>> seen(static_cast<std::size_t>(ringers));
   std::atomic<bool> stop{false};
@@ -78,7 +76,7 @@ void RingAndWait(Patience patience, int ringers, int waiters, int rounds, Visito
     threads.emplace_back([&, i] {
       const Ringer ringer(bell, static_cast<std::uint32_t>(i));
       std::minstd_rand random(static_cast<unsigned>(i));
-      for (int round = 1; round <= rounds && !stop; ++round) {
+      for (int round = 1; round <= kRounds && !stop; ++round) {
         ringer.peer->Ring();
         while (seen[static_cast<std::size_t>(i)] < round && !stop) std::this_thread::yield();
         for (auto pause = random() % 300; pause > 0; --pause) std::atomic_signal_fence(std::memory_order_seq_cst);
@@ -86,34 +84,45 @@ void RingAndWait(Patience patience, int ringers, int waiters, int rounds, Visito
       ++done;
     });
   }
-  EXPECT_TRUE(Await([&] { return done == ringers; })) << "a ring was lost";
+  EXPECT_TRUE(Await([&] { return done == ringers; }))
+      << "a ring was lost: " << ringers << " ringers, " << waiters << " waiters, visitor " << static_cast<int>(visitor)
+      << (patience.spin.count() > 0 ? ", spins" : "");
   stop = true;
   bell.Wake();
 }
 
-TEST(ShmBell, NoRingIsLost) {
+TEST(ShmBell, NoRingIsLostAlsoWhileWaitersSpinOrAVisitorLooksOrWaitsFirst) {
+  const Patience sleeps{};
+  const Patience spins{.busy = false, .spin = std::chrono::microseconds(5)};
   for (const int ringers : {1, 2, 5}) {
-    for (const int waiters : {1, 2, 3}) RingAndWait({}, ringers, waiters, 1500);
+    for (const int waiters : {1, 2, 3}) RingAndWait(sleeps, ringers, waiters, Visitor::kNone);
   }
-}
-
-TEST(ShmBell, NoRingIsLostWhileWaitersSpin) {
-  for (const int waiters : {1, 2, 3})
-    RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500);
-}
-
-TEST(ShmBell, NoRingIsLostWhileAVisitorLooksAtTimes) {
+  for (const int waiters : {1, 2, 3}) RingAndWait(spins, 2, waiters, Visitor::kNone);
   for (const int waiters : {1, 2}) {
-    RingAndWait({}, 2, waiters, 1500, Visitor::kLooks);
-    RingAndWait({.busy = false, .spin = std::chrono::microseconds(5)}, 2, waiters, 1500, Visitor::kLooks);
+    for (const Patience patience : {sleeps, spins}) RingAndWait(patience, 2, waiters, Visitor::kLooks);
+  }
+  for (const int ringers : {1, 3}) {
+    for (const int waiters : {0, 1, 2}) RingAndWait(sleeps, ringers, waiters, Visitor::kWaitsFirst);
   }
 }
 
-TEST(ShmBell, NoRingIsLostWhileOneThreadWaitsFirst) {
-  for (const int ringers : {1, 3}) {
-    for (const int waiters : {0, 1, 2}) RingAndWait({}, ringers, waiters, 1500, Visitor::kWaitsFirst);
+/// A thread that waits and counts.
+struct Waiter {
+  explicit Waiter(SessionBell& waits_for) : bell(waits_for) {}
+  ~Waiter() {
+    stop = true;
+    bell.Wake();
   }
-}
+  SessionBell& bell;
+  std::atomic<int> seen{0};
+  std::atomic<bool> stop{false};
+  std::jthread thread{[this] {
+    while (!stop) {
+      bell.Wait();
+      (void)bell.CollectRings([&](std::uint32_t) { ++seen; });
+    }
+  }};
+};
 
 constexpr auto kForever = std::chrono::steady_clock::time_point::max();
 
@@ -186,14 +195,7 @@ TEST(ShmBell, WaitingFirstEndsByWakeFirstAtItsTimeAndAfterASignal) {
 
 TEST(ShmBell, NextRingWakesTheSleeperIfAPeerDiedBeforeItsWakeUp) {
   SessionBell bell({});
-  std::atomic<int> seen{0};
-  std::atomic<bool> stop{false};
-  std::jthread waiter([&] {
-    while (!stop) {
-      bell.Wait();
-      (void)bell.CollectRings([&](std::uint32_t) { ++seen; });
-    }
-  });
+  const Waiter waiter(bell);
   const Ringer living(bell, 1);
   auto& page = living.page->as<BellPage>();
   for (int step = 0; step < 50; ++step) {
@@ -201,24 +203,15 @@ TEST(ShmBell, NextRingWakesTheSleeperIfAPeerDiedBeforeItsWakeUp) {
     // A peer does this before it wakes a thread; then it is killed.
     page.ready[0].fetch_or(4);
     page.asleep.fetch_add(2);
-    const int before = seen;
+    const int before = waiter.seen;
     living.peer->Ring();
-    ASSERT_TRUE(Await([&] { return seen >= before + 2; })) << step;
+    ASSERT_TRUE(Await([&] { return waiter.seen >= before + 2; })) << step;
   }
-  stop = true;
-  bell.Wake();
 }
 
 TEST(ShmBell, MendRepairsAPageThatAPeerHasDamaged) {
   SessionBell bell({});
-  std::atomic<int> seen{0};
-  std::atomic<bool> stop{false};
-  std::jthread waiter([&] {
-    while (!stop) {
-      bell.Wait();
-      (void)bell.CollectRings([&](std::uint32_t) { ++seen; });
-    }
-  });
+  const Waiter waiter(bell);
   const Ringer liar(bell, 1);
   auto& page = liar.page->as<BellPage>();
   ASSERT_TRUE(Await([&] { return (page.asleep.load() & 1) != 0; }));
@@ -226,11 +219,9 @@ TEST(ShmBell, MendRepairsAPageThatAPeerHasDamaged) {
   page.magic = 0;
   bell.Ring(7);
   bell.Mend();
-  EXPECT_TRUE(Await([&] { return seen == 1; }));
+  EXPECT_TRUE(Await([&] { return waiter.seen == 1; }));
   std::string fault;
   EXPECT_NE(PeerBell::Open(*bell.handle(), 2, fault), nullptr) << fault;
-  stop = true;
-  bell.Wake();
 }
 
 TEST(ShmBell, PassOnWakesAnotherWaiterForARing) {

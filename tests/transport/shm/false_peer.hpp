@@ -59,7 +59,8 @@ class FalsePeer {
     hello.set_bell_number(3);
     return said;
   }
-  void Greet() { Say(Hello(), {Copy(bell_), Copy(lane_), Copy(slip_)}); }
+  [[nodiscard]] PairSocket::Handles Handles() const { return {Copy(bell_), Copy(lane_), Copy(slip_)}; }
+  void Greet() { Say(Hello(), Handles()); }
   /// Greets. If our id is the smaller one, also chooses this connection.
   bool Meet() {
     Greet();
@@ -124,6 +125,19 @@ class FalsePeer {
     granted.set_credit_bytes(bytes);
     Say(said);
     return true;
+  }
+  /// Subscribes to the channel. False if the other side does not grant it.
+  bool Subscribe(const std::string& channel, const TypeInfo& type, std::uint32_t messages = 4,
+                 std::uint64_t bytes = 10'000) {
+    wire::PairMessage said;
+    auto& asked = *said.mutable_wish();
+    WriteType(channel, type, *asked.mutable_wanted());
+    asked.set_link(1);
+    asked.set_lossless(true);
+    asked.set_credit_messages(messages);
+    asked.set_credit_bytes(bytes);
+    Say(said);
+    return ReadUntil(wire::PairMessage::kGranted);
   }
   /// The next message in order, without a payload.
   [[nodiscard]] Descriptor NextMessage() {

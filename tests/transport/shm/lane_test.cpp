@@ -1,18 +1,17 @@
+// The way of messages from one session to another, and what the subscriber gives back.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include <atomic>
-#include <deque>
-#include <memory>
-#include <mutex>
 #include <random>
-#include <string>
-#include <thread>
-#include <vector>
 
+#include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
 #include "transport/shm/memory/lane_reader.hpp"
 #include "transport/shm/memory/lane_writer.hpp"
+#include "transport/shm/pair_inbox.hpp"
+#include "transport/shm/receipt.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -29,6 +28,9 @@ struct Lane {
     EXPECT_TRUE(writer->Open(*slip->handle(), fault)) << fault;
     reader = LaneReader::Open(*writer->handle(), fault);
     slip->SetPublisher(reader->mapping(), PeerBell::Open(*bell.handle(), 5, fault));
+  }
+  [[nodiscard]] bool Rung() {
+    return bell.CollectRings([](std::uint32_t number) { EXPECT_EQ(number, 5u); });
   }
   SessionBell bell{Patience{}};  // The publisher's.
   Handle far_end;
@@ -159,7 +161,7 @@ TEST(ShmLane, SlotsReturnedBySeveralThreadsWakeTheWriter) {
         ASSERT_TRUE(lane.writer->Collect(ended));
         if (!lane.writer->HasSlot()) {
           lane.bell.Wait();
-          (void)lane.bell.CollectRings([](std::uint32_t number_of_peer) { EXPECT_EQ(number_of_peer, 5u); });
+          (void)lane.Rung();
         }
         lane.writer->SetHungry(0);
         ASSERT_TRUE(lane.writer->Collect(ended));
@@ -170,24 +172,6 @@ TEST(ShmLane, SlotsReturnedBySeveralThreadsWakeTheWriter) {
     stop = true;
     lane.bell.Wake();
   }
-}
-
-TEST(ShmLane, RefusesReturnOfASlotThatIsNotHeld) {
-  std::vector<std::shared_ptr<const void>> ended;
-  {
-    Lane lane;
-    lane.slip->Return(3);
-    EXPECT_FALSE(lane.writer->Collect(ended));
-  }
-  {
-    Lane lane;
-    lane.slip->Return(kSlots + 7);
-    EXPECT_FALSE(lane.writer->Collect(ended));
-  }
-  Lane lane;
-  for (std::uint32_t i = 0; i < kSlots + 1; ++i) lane.slip->Return(0);
-  EXPECT_FALSE(lane.writer->Collect(ended));
-  EXPECT_TRUE(ended.empty());
 }
 
 TEST(ShmLane, ReportsALieIfALaneHasMoreMessagesThanSlots) {
@@ -211,6 +195,176 @@ TEST(ShmLane, TheEndOfTheSlipEndsTheSocket) {
   EXPECT_LT(recv(lane.far_end.fd(), &byte, 1, MSG_DONTWAIT), 0);
   lane.slip.reset();
   EXPECT_EQ(recv(lane.far_end.fd(), &byte, 1, MSG_DONTWAIT), 0);
+}
+
+TEST(ShmReceipt, PublisherReadsConsumedMessagesAndBytes) {
+  Lane lane;
+  const auto receipt = Receipt::Make(lane.slip);
+  receipt->SetWindow(4, 1000);
+  auto first = receipt->AdmitMessage(100);
+  auto second = receipt->AdmitMessage(50);
+  EXPECT_EQ(lane.writer->ConsumedOf(receipt->cell()).messages, 0u);
+  second.reset();
+  EXPECT_EQ(lane.writer->ConsumedOf(receipt->cell()).messages, 1u);
+  EXPECT_EQ(lane.writer->ConsumedOf(receipt->cell()).bytes, 50u);
+  first.reset();
+  EXPECT_EQ(lane.writer->ConsumedOf(receipt->cell()).bytes, 150u);
+  EXPECT_EQ(lane.writer->ConsumedOf(kCells).messages, 0u);
+}
+
+TEST(ShmReceipt, RingsAHungryPublisherAfterAQuarterAndWhenNothingIsHeld) {
+  Lane lane;
+  const auto receipt = Receipt::Make(lane.slip);
+  receipt->SetWindow(8, 1 << 20);
+  std::vector<std::shared_ptr<const void>> held;
+  for (int i = 0; i < 5; ++i) held.push_back(receipt->AdmitMessage(1));
+  held.pop_back();
+  held.pop_back();
+  EXPECT_FALSE(lane.Rung());
+  lane.writer->SetHungry(kForCredit);
+  held.pop_back();
+  EXPECT_FALSE(lane.Rung());
+  held.pop_back();
+  EXPECT_TRUE(lane.Rung());
+  held.pop_back();
+  EXPECT_TRUE(lane.Rung());
+}
+
+TEST(ShmReceipt, UsesTheWidestWindowThatWasGranted) {
+  Lane lane;
+  const auto receipt = Receipt::Make(lane.slip);
+  receipt->SetWindow(3, 1000);
+  receipt->SetWindow(1, 1000);
+  std::vector<std::shared_ptr<const void>> held;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(receipt->HasRoom());
+    held.push_back(receipt->AdmitMessage(10));
+  }
+  EXPECT_FALSE(receipt->HasRoom());
+  held.pop_back();
+  EXPECT_TRUE(receipt->HasRoom());
+  held.push_back(receipt->AdmitMessage(5000));  // One message of any size is allowed.
+  held.erase(held.begin());
+  EXPECT_FALSE(receipt->HasRoom());
+}
+
+TEST(ShmReceipt, CellsAreLimitedAndStartAtZeroWhenReused) {
+  Lane lane;
+  std::vector<std::shared_ptr<Receipt>> receipts;
+  while (auto receipt = Receipt::Make(lane.slip)) receipts.push_back(std::move(receipt));
+  EXPECT_EQ(receipts.size(), kCells);
+  auto token = receipts.back()->AdmitMessage(7);
+  const std::uint32_t cell = receipts.back()->cell();
+  receipts.pop_back();
+  EXPECT_EQ(Receipt::Make(lane.slip), nullptr);  // A message is still held.
+  token.reset();
+  const auto again = Receipt::Make(lane.slip);
+  ASSERT_NE(again, nullptr);
+  EXPECT_EQ(again->cell(), cell);
+  EXPECT_EQ(lane.writer->ConsumedOf(cell).messages, 0u);
+}
+
+TEST(ShmReceipt, APublisherThatSleepsForCreditIsAlwaysWoken) {
+  for (const int threads : {1, 3}) {
+    Lane lane;
+    const auto receipt = Receipt::Make(lane.slip);
+    constexpr std::uint64_t kWindow = 10;
+    constexpr std::uint64_t kMessages = 20'000;
+    receipt->SetWindow(kWindow, 1 << 20);
+    std::mutex mutex;
+    std::vector<std::shared_ptr<const void>> held;
+    std::atomic<bool> stop{false};
+    std::atomic<bool> finished{false};
+    std::vector<std::jthread> consumers;
+    for (int i = 0; i < threads; ++i) {
+      consumers.emplace_back([&] {
+        while (!stop) {
+          std::shared_ptr<const void> token;
+          {
+            const std::scoped_lock lock(mutex);
+            if (!held.empty()) {
+              token = std::move(held.back());
+              held.pop_back();
+            }
+          }
+          if (!token) std::this_thread::yield();
+        }
+      });
+    }
+    std::jthread publisher([&] {
+      const auto room = [&](std::uint64_t sent) {
+        return sent - lane.writer->ConsumedOf(receipt->cell()).messages < kWindow;
+      };
+      for (std::uint64_t sent = 0; sent < kMessages && !stop;) {
+        if (!room(sent)) {
+          lane.writer->SetHungry(kForCredit);
+          if (!room(sent)) lane.bell.Wait();
+          (void)lane.Rung();
+          lane.writer->SetHungry(0);
+          continue;
+        }
+        ++sent;
+        auto token = receipt->AdmitMessage(1);
+        const std::scoped_lock lock(mutex);
+        held.push_back(std::move(token));
+      }
+      finished = true;
+    });
+    EXPECT_TRUE(test::Await([&] { return finished.load(); }));
+    stop = true;
+    lane.bell.Wake();
+  }
+}
+
+TEST(ShmReceipt, AForkedChildConsumesNothing) {
+  Lane lane;
+  auto receipt = Receipt::Make(lane.slip);
+  auto token = receipt->AdmitMessage(9);
+  const std::uint32_t cell = receipt->cell();
+  lane.slip->Hold();
+  const pid_t child = fork();
+  if (child == 0) {
+    token.reset();
+    lane.slip->Return(2);
+    receipt.reset();
+    lane.slip.reset();
+    _exit(0);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(lane.writer->ConsumedOf(cell).messages, 0u);
+  std::vector<std::shared_ptr<const void>> ended;
+  EXPECT_TRUE(lane.writer->Collect(ended));
+  char byte = 0;
+  EXPECT_LT(recv(lane.far_end.fd(), &byte, 1, MSG_DONTWAIT), 0) << "the child ended the socket";
+}
+
+// The subscriber had no memory for the payload.
+TEST(ShmPairInbox, LastMessageEndsItsLinkEvenIfItIsLost) {
+  Lane lane;
+  PairInbox inbox(lane.slip);
+  std::string fault;
+  inbox.Open(std::move(lane.reader), PeerBell::Open(*lane.bell.handle(), 0, fault), SessionId{1});
+  const Demand demand{.credit_messages = 4, .credit_bytes = 1000};
+  conformance::Sink sink;
+  const auto link = inbox.AddLink(std::make_shared<InboundCore>("scan", conformance::TextType(), demand, sink));
+  inbox.RaiseLimits(*link, demand);
+  wire::Granted granted;
+  granted.set_credit_messages(4);
+  granted.set_credit_bytes(1000);
+  ASSERT_TRUE(inbox.Grant(*link, granted, nullptr));
+  ASSERT_TRUE(inbox.AddPayload({link->link, 1, {}}));
+  EXPECT_FALSE(inbox.EndAfter(link->link, 1));
+  Descriptor last{};
+  last.link = link->link;
+  last.number = 1;
+  last.segment = kOnSocket;
+  last.size_bytes = 100;
+  lane.writer->Write(last, nullptr);
+  PairInbox::Arrival arrival;
+  EXPECT_EQ(inbox.Next(arrival, 1000), PairInbox::Step::kLost);
+  EXPECT_TRUE(arrival.ends);
 }
 
 }  // namespace

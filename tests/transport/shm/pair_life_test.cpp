@@ -3,13 +3,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <string>
-#include <vector>
 
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/shm_transport.hpp"
@@ -19,41 +13,11 @@
 namespace hgros::shm {
 namespace {
 
+using conformance::Publication;
+using conformance::Reception;
+using conformance::Sink;
 using conformance::TextType;
 using test::Await;
-
-constexpr auto kTimeout = std::chrono::milliseconds(2000);
-
-/// Notes the order of messages. If there is a door, the first message waits at it.
-class OrderSink : public InboundSink {
- public:
-  struct Came {
-    SessionId from;
-    std::uint64_t sequence;
-  };
-  Accepted Accept(InboundMessage&& message) noexcept override {
-    {
-      const std::scoped_lock lock(mutex_);
-      came_.push_back({message.from, message.head.id.sequence});
-    }
-    if (door != nullptr) door->Pass();
-    return answer;
-  }
-  void Run() noexcept override {}
-  void OnFault(PacketFault, std::string_view) noexcept override {}
-  void OnPublishers(std::size_t) noexcept override {}
-  [[nodiscard]] std::vector<Came> came() const {
-    const std::scoped_lock lock(mutex_);
-    return came_;
-  }
-
-  test::Door* door = nullptr;
-  Accepted answer = Accepted::kNothing;
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<Came> came_;  // Guarded by mutex_.
-};
 
 class ShmPairLife : public testing::Test {
  protected:
@@ -62,24 +26,14 @@ class ShmPairLife : public testing::Test {
     options.session = SessionId{1'000'000};
     options.place = place;
     options.heartbeat = std::chrono::milliseconds(50);
-    options.peer_timeout = kTimeout;
+    options.peer_timeout = std::chrono::milliseconds(2000);
     options.limit_bytes = 0;  // What it publishes goes over the sockets.
-    reader = MakeShmTransport(options, listener, log);
-    lies = reader->Subscribe("lies", TextType(), {.credit_messages = 256, .credit_bytes = 1 << 20}, sink);
+    reader = MakeShmTransport(options, listener, kept.log);
+    lies.emplace(*reader, "lies", TextType(), Demand{.credit_messages = 256, .credit_bytes = 1 << 20});
   }
   /// Subscribes to the channel `out`.
   static bool Subscribe(FalsePeer& peer, std::uint64_t bytes = 10'000) {
-    wire::PairMessage said;
-    auto& wish = *said.mutable_wish();
-    WriteType("out", TextType(), *wish.mutable_wanted());
-    wish.set_link(1);
-    wish.set_cell(1);
-    wish.set_lossless(true);
-    wish.set_credit_messages(4);
-    wish.set_credit_bytes(bytes);
-    const bool met = peer.Meet();
-    peer.Say(said);
-    return met && peer.ReadUntil(wire::PairMessage::kGranted);
+    return peer.Meet() && peer.Subscribe("out", TextType(), 4, bytes);
   }
   /// Calls `act` every few milliseconds until a peer that begins now, and then does nothing, was silent for too long. A
   /// peer that beats no more, and whose acts are no sign of life, goes no later than that one.
@@ -96,21 +50,18 @@ class ShmPairLife : public testing::Test {
       return !is_peer();
     }));
   }
-  /// From now on the reading thread waits at the door.
+  /// Prepares that the reading thread waits at the door.
   void HoldReader() {
-    gate.door = &door;
-    held = reader->Subscribe("gate", TextType(), {}, gate);
+    held.emplace(*reader, "gate", TextType(), Demand{}, [&](Sink& sink) { sink.on_accept = [&] { door.Pass(); }; });
     ShmOptions options;
     options.peers = {place};
-    gatekeeper = MakeShmTransport(options, listener, log);
-    to_gate = gatekeeper->Advertise("gate", TextType(), source);
-    ASSERT_TRUE(Await([&] { return to_gate->subscriber_count() == 1; }));
+    gatekeeper = MakeShmTransport(options, listener, kept.log);
+    to_gate.emplace(*gatekeeper, "gate");
+    ASSERT_TRUE(to_gate->Joined());
   }
   void CloseGate() {
-    PacketHead head;
-    head.id = {0, 1, 1};
-    to_gate->Commit(head, {});
-    ASSERT_TRUE(Await([&] { return !gate.came().empty(); }));
+    ASSERT_EQ(to_gate->Publish("x"), PublishStatus::kOk);
+    ASSERT_TRUE(Await([&] { return held->sink.count() > 0; }));
   }
   static void Write(FalsePeer& peer, std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t sequence = first; sequence <= last; ++sequence) {
@@ -122,16 +73,13 @@ class ShmPairLife : public testing::Test {
 
   const std::string place = "hgros-test-" + SessionId::Random().ToString();
   conformance::Listener listener;
-  conformance::Source source;
-  Log log{[](LogLevel, std::string_view) {}};
+  conformance::KeptLog kept;
   test::Door door;
-  OrderSink gate;
-  OrderSink sink;
   std::unique_ptr<ShmTransport> reader;
-  std::unique_ptr<InboundChannel> lies;
-  std::unique_ptr<InboundChannel> held;
+  std::optional<Reception> lies;
+  std::optional<Reception> held;
   std::unique_ptr<ShmTransport> gatekeeper;
-  std::unique_ptr<OutboundChannel> to_gate;
+  std::optional<Publication> to_gate;
 };
 
 TEST_F(ShmPairLife, ASlowPayloadDoesNotCountAsSilence) {
@@ -154,20 +102,18 @@ TEST_F(ShmPairLife, ASlowPayloadDoesNotCountAsSilence) {
   std::size_t sent = 0;
   ActUntilAnotherIsTooSilent([&] { peer.SayRaw(frame.substr(sent++, 1)); });
   peer.SayRaw(frame.substr(sent));
-  EXPECT_TRUE(Await([&] { return sink.came().size() == 1; }));
+  EXPECT_TRUE(Await([&] { return lies->sink.count() == 1; }));
   EXPECT_EQ(listener.gone, 1);
 }
 
 TEST_F(ShmPairLife, ASlowReaderOfALargeMessageDoesNotCountAsSilent) {
   constexpr std::size_t kSize = 64 << 20;
   const auto data = std::make_shared<const std::string>(kSize, 'x');  // Before there is a peer that waits for it.
-  const auto out = reader->Advertise("out", TextType(), source);
+  Publication out(*reader, "out");
   FalsePeer peer(place);
   ASSERT_TRUE(Subscribe(peer, kSize));
-  ASSERT_EQ(out->Reserve(), PublishStatus::kOk);
-  PacketHead head;
-  head.id = {0, 1, 1};
-  out->Commit(head, {AsBytes(*data), data});
+  ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
+  out.channel->Commit(out.NextHead(), {AsBytes(*data), data});
   // From now on its heartbeat stands still; it only reads.
   std::string room(1 << 20, '\0');
   std::size_t received = 0;
@@ -212,34 +158,35 @@ TEST_F(ShmPairLife, ReadsPairsOfOneSessionInOrderOfTheirCreation) {
   HoldReader();
   FalsePeer first(place, SessionId{~std::uint64_t{0}});
   ASSERT_TRUE(first.Publish(256, 1 << 20));
-  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 1; }));
+  ASSERT_TRUE(Await([&] { return lies->channel->publisher_count() == 1; }));
   CloseGate();
   Write(first, 1, 100);
   FalsePeer second(place, first.id());
   second.incarnation = 2;
   ASSERT_TRUE(second.Publish(256, 1 << 20));
-  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 2; }));
+  ASSERT_TRUE(Await([&] { return lies->channel->publisher_count() == 2; }));
   Write(second, 101, 200);
   door.Open();
-  ASSERT_TRUE(Await([&] { return sink.came().size() == 200; })) << sink.came().size() << " of 200 messages came";
-  const auto came = sink.came();
-  for (std::size_t i = 0; i < came.size(); ++i) ASSERT_EQ(came[i].sequence, i + 1);
+  ASSERT_TRUE(Await([&] { return lies->sink.count() == 200; })) << lies->sink.count() << " of 200 messages came";
+  lies->channel.reset();
+  for (std::size_t i = 0; i < 200; ++i) ASSERT_EQ(lies->sink.ids[i].sequence, i + 1);
 }
 
 TEST_F(ShmPairLife, ABusyPairDoesNotKeepOthersFromBeingRead) {
   HoldReader();
-  sink.answer = Accepted::kRunApart;
+  lies->sink.answer = Accepted::kRunApart;
   FalsePeer quiet(place);
   ASSERT_TRUE(quiet.Publish(256, 1 << 20));
   FalsePeer busy(place);
   ASSERT_TRUE(busy.Publish(256, 1 << 20));
-  ASSERT_TRUE(Await([&] { return lies->publisher_count() == 2; }));
+  ASSERT_TRUE(Await([&] { return lies->channel->publisher_count() == 2; }));
   CloseGate();
   Write(quiet, 1, 1);
   Write(busy, 1, 200);
   door.Open();
-  ASSERT_TRUE(Await([&] { return sink.came().size() == 201; }));
-  EXPECT_EQ(sink.came().back().from, busy.id());
+  ASSERT_TRUE(Await([&] { return lies->sink.count() == 201; }));
+  lies->channel.reset();
+  EXPECT_EQ(lies->sink.ids.back().publisher, busy.id().value);
 }
 
 }  // namespace

@@ -35,6 +35,13 @@ struct Ends {
   void Write(const std::string& bytes) const {
     ASSERT_EQ(write(raw, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
+  /// Sends until the next frame has come.
+  [[nodiscard]] bool Arrives(PairSocket::Frame& frame) const {
+    return test::Await([&] {
+      (void)here->Flush();
+      return there->Receive(frame) == PairSocket::Read::kFrame;
+    });
+  }
   int raw = -1;
   std::unique_ptr<PairSocket> here;
   std::unique_ptr<PairSocket> there;
@@ -173,10 +180,7 @@ TEST(ShmPairSocket, ALargeFrameIsReadInPieces) {
   const std::uint64_t received = ends.there->received_bytes();
   EXPECT_GT(received, 0u);
   EXPECT_LT(received, 700'000u);
-  ASSERT_TRUE(test::Await([&] {
-    (void)ends.here->Flush();
-    return ends.there->Receive(frame) == PairSocket::Read::kFrame;
-  }));
+  ASSERT_TRUE(ends.Arrives(frame));
   ASSERT_TRUE(frame.payload);
   EXPECT_EQ(frame.payload->data.bytes.size(), 700'000u);
   EXPECT_GT(ends.there->received_bytes(), 700'000u);
@@ -197,10 +201,7 @@ TEST(ShmPairSocket, APayloadIsSentFromItsOwnMemoryAndArrivesBetweenOtherFrames) 
     EXPECT_FALSE(lives.expired()) << "it is not copied";
     PairSocket::Frame frame;
     for (std::uint64_t number = 1; number <= 3; ++number) {
-      ASSERT_TRUE(test::Await([&] {
-        (void)ends.here->Flush();
-        return ends.there->Receive(frame) == PairSocket::Read::kFrame;
-      })) << ends.there->fault();
+      ASSERT_TRUE(ends.Arrives(frame)) << ends.there->fault();
       ASSERT_TRUE(frame.payload);
       EXPECT_EQ(frame.payload->number, number);
       EXPECT_EQ(frame.handles.size(), number == 3 ? 1u : 0u);
@@ -216,16 +217,14 @@ TEST(ShmPairSocket, APayloadIsSentFromItsOwnMemoryAndArrivesBetweenOtherFrames) 
 
 TEST(ShmPairSocket, OneFlushSendsOnlyAPartOfALargePayload) {
   constexpr std::size_t kSize = 64 << 20;
-  int fds[2];
-  ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, fds), 0);
-  PairSocket here(std::make_shared<const Handle>(fds[0]), kMaxFrame);
-  const Handle there(fds[1]);
+  const Ends ends;
+  PairSocket& here = *ends.here;
   // A peer that reads as fast as it can: without a limit, one call would last until everything is sent.
   std::atomic<std::uint64_t> read_bytes{0};
   std::jthread reader([&](const std::stop_token& stop) {
     std::string into(1 << 20, ' ');
     while (!stop.stop_requested()) {
-      const auto got = recv(there.fd(), into.data(), into.size(), MSG_DONTWAIT);
+      const auto got = recv(ends.there->handle()->fd(), into.data(), into.size(), MSG_DONTWAIT);
       if (got > 0) read_bytes += static_cast<std::uint64_t>(got);
     }
   });

@@ -2,19 +2,12 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <ctime>
-#include <mutex>
-#include <optional>
 #include <random>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/shm_transport.hpp"
@@ -79,35 +72,35 @@ class ShmTransportTest : public testing::Test {
     ShmOptions options;
     options.heartbeat = std::chrono::milliseconds(50);
     Connect(options);
-    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+    Subscribe();
   }
   // A publisher and a subscriber, in place of those before.
-  void Connect(ShmOptions options) {
+  void Connect(ShmOptions options, std::uint64_t most_bytes = ShmOptions().max_message_bytes) {
     inbound.reset();
     options.place = "hgros-test-" + SessionId::Random().ToString();
-    publisher = MakeShmTransport(options, listener, log);
+    publisher = MakeShmTransport(options, listener, kept_log.log);
     outbound = publisher->Advertise("data", TextType(), source);
     options.peers = {std::exchange(options.place, {})};
-    subscriber = MakeShmTransport(options, listener, log);
-    inbound = subscriber->Subscribe("data", TextType(), {.lossless = true}, keeper);
+    options.max_message_bytes = most_bytes;
+    subscriber = MakeShmTransport(options, listener, kept_log.log);
   }
-  void Publish(const std::string& text) {
+  void Subscribe(bool lossless = true) {
+    inbound = subscriber->Subscribe("data", TextType(), {.lossless = lossless}, keeper);
+    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+  }
+  void Publish(const hgros::Payload& data) {
     ASSERT_TRUE(Await([&] { return outbound->Reserve() == PublishStatus::kOk; }));
     PacketHead head;
     head.channel = "data";
     head.type_name = TextType().name;
     head.encoding = Encoding::kCustom;
     head.id = {0, 1, ++sequence};
-    outbound->Commit(head, {AsBytes(text), nullptr});
+    outbound->Commit(head, data);
   }
+  void Publish(const std::string& text) { Publish(hgros::Payload{AsBytes(text), nullptr}); }
 
-  std::mutex mutex;
-  std::vector<std::string> lines;  // Guarded by mutex.
   conformance::Listener listener;
-  Log log{[this](LogLevel, std::string_view text) {
-    const std::scoped_lock lock(mutex);
-    lines.emplace_back(text);
-  }};
+  conformance::KeptLog kept_log;
   conformance::Source source;
   Keeper keeper;
   std::uint64_t sequence = 0;
@@ -121,7 +114,7 @@ class ShmTransportTest : public testing::Test {
 TEST(ShmTransportPair, BothSessionsMayConnectAtOnce) {
   for (int round = 0; round < 40; ++round) {
     conformance::Listener listener;
-    Log log{[](LogLevel, std::string_view) {}};
+    conformance::KeptLog kept_log;
     conformance::Source source;
     Keeper keeper;
     const std::string places[] = {"hgros-test-" + SessionId::Random().ToString(),
@@ -130,7 +123,7 @@ TEST(ShmTransportPair, BothSessionsMayConnectAtOnce) {
     for (std::size_t i = 0; i < 2; ++i) {
       ShmOptions options;
       options.place = places[i];
-      sessions[i] = MakeShmTransport(options, listener, log);
+      sessions[i] = MakeShmTransport(options, listener, kept_log.log);
     }
     const auto outbound = sessions[0]->Advertise("data", TextType(), source);
     const auto inbound = sessions[1]->Subscribe("data", TextType(), {.lossless = true}, keeper);
@@ -222,21 +215,10 @@ TEST_F(ShmTransportTest, ALoanIsSentWithoutACopy) {
   auto block = publisher->Loan(100'000);
   ASSERT_TRUE(block);
   std::memset(block->writable().data(), 'x', 100'000);
-  ASSERT_EQ(outbound->Reserve(), PublishStatus::kOk);
-  PacketHead head;
-  head.id = {0, 1, ++sequence};
-  outbound->Commit(head, block->payload());
+  Publish(block->payload());
   EXPECT_EQ(publisher->usage().blocks_in_use, 1u);
   ASSERT_TRUE(Await([&] { return keeper.kept().size() == 1; }));
   EXPECT_EQ(keeper.kept()[0].data.bytes.size(), 100'000u);
-}
-
-TEST_F(ShmTransportTest, AForkedChildGetsNoLoan) {
-  const pid_t child = fork();
-  if (child == 0) _exit(publisher->Loan(1000).has_value() ? 1 : 0);
-  int status = -1;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_EQ(status, 0);
 }
 
 TEST_F(ShmTransportTest, MessagesOfASegmentThatCannotBeReceivedComeOverTheSocket) {
@@ -251,12 +233,7 @@ TEST_F(ShmTransportTest, MessagesOfASegmentThatCannotBeReceivedComeOverTheSocket
     }
   };
   const auto publish = [&] {
-    for (Block& block : std::exchange(loans, {})) {
-      ASSERT_EQ(outbound->Reserve(), PublishStatus::kOk);
-      PacketHead head;
-      head.id = {0, 1, ++sequence};
-      outbound->Commit(head, block.payload());
-    }
+    for (Block& block : std::exchange(loans, {})) Publish(block.payload());
   };
   const auto arrives = [&] {
     ASSERT_TRUE(Await([&] { return keeper.kept().size() == kMessages; }));
@@ -283,12 +260,8 @@ TEST_F(ShmTransportTest, MessagesOfASegmentThatCannotBeReceivedComeOverTheSocket
     return publisher->usage().sent_apart == apart;
   }));
   EXPECT_EQ(listener.gone, 0);
-  const std::scoped_lock lock(mutex);
-  EXPECT_EQ(std::ranges::count_if(lines,
-                                  [](const std::string& line) {
-                                    return line.find("cannot map the shared memory of") != line.npos &&
-                                           line.find("limit of open files") != line.npos;
-                                  }),
+  const auto said = kept_log.Lines("cannot map the shared memory of");
+  EXPECT_EQ(std::ranges::count_if(said, [](const auto& line) { return line.find("limit of open files") != line.npos; }),
             1);
 }
 
@@ -296,15 +269,14 @@ TEST_F(ShmTransportTest, ThatMessagesGoOverTheSocketIsLoggedOnceWhateverTheirSiz
   ShmOptions options;
   options.limit_bytes = 0;
   Connect(options);
-  ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+  Subscribe();
   constexpr std::size_t kMessages = 5;
   for (std::size_t i = 1; i <= kMessages; ++i) Publish(std::string(i * 10'000, 'x'));
   ASSERT_TRUE(Await([&] { return keeper.kept().size() == kMessages; }));
   EXPECT_GE(publisher->usage().sent_apart, kMessages);
-  const std::scoped_lock lock(mutex);
-  EXPECT_EQ(std::ranges::count_if(
-                lines, [](const std::string& line) { return line.starts_with("There is no shared memory for"); }),
-            1);
+  const auto said = kept_log.Lines("There is no shared memory for");
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_TRUE(said[0].starts_with("There is no shared memory for")) << said[0];
 }
 
 TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
@@ -320,15 +292,11 @@ TEST_F(ShmTransportTest, ConnectionsWaitWhileNoDescriptorIsFree) {
   std::memcpy(address.sun_path + 1, place.data(), place.size());
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + place.size());
   EXPECT_EQ(connect(knocking, reinterpret_cast<const sockaddr*>(&address), size), 0);
-  const auto times_said = [&] {
-    const std::scoped_lock lock(mutex);
-    return std::ranges::count_if(lines, [](const std::string& line) { return line.find("ulimit -n") != line.npos; });
-  };
-  EXPECT_TRUE(Await([&] { return times_said() > 0; }));
+  EXPECT_TRUE(Await([&] { return kept_log.Said("ulimit -n"); }));
   const auto used_before = std::clock();  // The processor time of this process.
   test::Linger(std::chrono::milliseconds(500));
   EXPECT_LT(std::clock() - used_before, CLOCKS_PER_SEC / 4) << "it spins";
-  EXPECT_EQ(times_said(), 1);
+  EXPECT_EQ(kept_log.TimesSaid("ulimit -n"), 1);
   char byte = 0;
   EXPECT_LT(recv(knocking, &byte, 1, MSG_DONTWAIT), 0);
   none.reset();
@@ -339,21 +307,15 @@ class ShmMessageLimit : public ShmTransportTest, public testing::WithParamInterf
  protected:
   void SetUp() override {
     ShmOptions options;
-    options.place = "hgros-test-" + SessionId::Random().ToString();
     options.limit_bytes = GetParam();
-    publisher = MakeShmTransport(options, listener, log);
-    outbound = publisher->Advertise("data", TextType(), source);
-    options.peers = {std::exchange(options.place, {})};
-    options.max_message_bytes = kLimit;
-    subscriber = MakeShmTransport(options, listener, log);
+    Connect(options, kLimit);
   }
   static constexpr std::size_t kLimit = 10'000;
 };
 
 TEST_P(ShmMessageLimit, RefusesALargerMessageAndKeepsThePair) {
   for (const bool lossless : {true, false}) {
-    inbound = subscriber->Subscribe("data", TextType(), {.lossless = lossless}, keeper);
-    ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 1; }));
+    Subscribe(lossless);
     const auto before = outbound->stats();
     const std::size_t faults = keeper.faults().size();
     Publish(std::string(kLimit, 'a'));
@@ -377,13 +339,8 @@ TEST_P(ShmMessageLimit, RefusesALargerMessageAndKeepsThePair) {
     ASSERT_TRUE(Await([&] { return outbound->subscriber_count() == 0; }));
   }
   EXPECT_EQ(listener.gone, 0);
-  const std::scoped_lock lock(mutex);
-  EXPECT_EQ(std::ranges::count_if(lines,
-                                  [](const std::string& line) {
-                                    return line.find("10001 bytes on channel \"data\"") != line.npos &&
-                                           line.find("at most 10000") != line.npos;
-                                  }),
-            1);
+  const auto said = kept_log.Lines("10001 bytes on channel \"data\"");
+  EXPECT_EQ(std::ranges::count_if(said, [](const auto& line) { return line.find("at most 10000") != line.npos; }), 1);
 }
 
 TEST_P(ShmMessageLimit, RefusesALargerLatchedMessage) {
@@ -393,7 +350,7 @@ TEST_P(ShmMessageLimit, RefusesALargerLatchedMessage) {
     auto text = std::make_shared<const std::string>(size, 'x');
     source.Latch({head, {AsBytes(*text), text}});
   }
-  inbound = subscriber->Subscribe("data", TextType(), {.lossless = true}, keeper);
+  Subscribe();
   ASSERT_TRUE(Await([&] { return keeper.kept().size() == 1 && keeper.faults().size() == 1; }));
   EXPECT_EQ(keeper.kept()[0].data.bytes.size(), kLimit);
 }
