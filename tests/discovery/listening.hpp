@@ -1,12 +1,13 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -14,7 +15,9 @@
 
 #include "hgros/base/log.hpp"
 #include "hgros/discovery/discovery.hpp"
+#include "hgros/discovery/registry.hpp"
 #include "support/await.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::discovery {
 
@@ -119,21 +122,11 @@ class KeptLog {
   std::vector<std::string> lines_;
 };
 
-/// A new folder, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_discovery_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder");
-    path_ = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
+/// The folder of a domain that nobody else uses. It does not exist yet.
+struct OwnDomain {
+  test::ScratchFolder scratch;
+  RegistryOptions options{scratch / "hgros", "robot"};
+  std::filesystem::path folder = options.folder / options.domain;
 };
 
 /// True if `folder` is empty or missing. A registry that closes removes an empty folder, and others create it again.
@@ -154,5 +147,24 @@ inline Announcement NewAnnouncement(const std::string& process = "test") {
   own.only = {"test", "a viewer"};
   return own;
 }
+
+/// A session that takes part in discovery.
+struct Participant {
+  using Opening = std::function<std::unique_ptr<Discovery>(DiscoveryListener& listener, Log& log)>;
+  explicit Participant(const Opening& open, const std::string& process = "test")
+      : own(NewAnnouncement(process)), discovery(open(listening, log.log)) {}
+  ~Participant() {
+    discovery.reset();
+    EXPECT_EQ(listening.broken(), "");
+  }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+  void Announce() const { discovery->Announce(own); }
+
+  KeptLog log;
+  Listening listening;
+  Announcement own;
+  std::unique_ptr<Discovery> discovery;
+};
 
 }  // namespace hgros::discovery

@@ -4,10 +4,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "discovery/listening.hpp"
 #include "hgros/discovery/beacon.hpp"
 #include "support/cable.hpp"
@@ -20,25 +16,29 @@ using test::Cable;
 using test::Ip;
 using test::On;
 
-struct Participant {
-  Participant(const std::string& host, const BeaconOptions& options, const std::string& endpoint) {
+struct RemoteParticipant : Participant {
+  RemoteParticipant(const std::string& host, const BeaconOptions& options, const std::string& endpoint)
+      : Participant([&](auto& listener, Log& kept) {
+          std::unique_ptr<Discovery> opened;
+          On(host, [&] { opened = OpenBeacon(options, listener, kept); });
+          return opened;
+        }) {
     own.endpoints = {endpoint};
-    On(host, [&] { beacon = OpenBeacon(options, listening, log.log); });
-    beacon->Announce(own);
+    Announce();
   }
   /// Waits until it sees exactly one session, at this endpoint.
   [[nodiscard]] bool Finds(const Participant& other, const std::string& endpoint) const {
     return Await([&] {
-      const auto all = beacon->List();
+      const auto all = discovery->List();
       return all.size() == 1 && all[0].session == other.own.session && all[0].endpoints == std::vector{endpoint};
     });
   }
-
-  KeptLog log;
-  Listening listening;
-  Announcement own = NewAnnouncement();
-  std::unique_ptr<Discovery> beacon;
 };
+
+void ExpectThatTheyFindEachOther(const RemoteParticipant& left, const RemoteParticipant& right) {
+  EXPECT_TRUE(left.Finds(right, "tcp://10.198.0.2:6666"));
+  EXPECT_TRUE(right.Finds(left, "tcp://10.198.0.1:5555"));
+}
 
 class BeaconNetwork : public testing::Test {
  protected:
@@ -52,33 +52,26 @@ class BeaconNetwork : public testing::Test {
   const BeaconOptions options{.domain = "robot"};
 };
 
-TEST_F(BeaconNetwork, LetsHostsFindEachOtherAtTheAddressesOfTheirDatagrams) {
-  ASSERT_TRUE(cable->Set("up"));
-  const Participant one(cable->left, options, "tcp://*:5555");
-  const Participant two(cable->right, options, "tcp://*:6666");
-  EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
-  EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
-}
-
-TEST_F(BeaconNetwork, UsesBroadcastOnInterfacesWithoutMulticast) {
-  ASSERT_TRUE(cable->Set("multicast off up"));
-  const Participant one(cable->left, options, "tcp://*:5555");
-  const Participant two(cable->right, options, "tcp://*:6666");
-  EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
-  EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
+TEST_F(BeaconNetwork, LetsHostsFindEachOtherAtTheAddressesOfTheirDatagramsWithAndWithoutMulticast) {
+  for (const char* how : {"up", "multicast off"}) {  // Without it they use broadcast.
+    SCOPED_TRACE(how);
+    ASSERT_TRUE(cable->Set(how));
+    const RemoteParticipant one(cable->left, options, "tcp://*:5555");
+    const RemoteParticipant two(cable->right, options, "tcp://*:6666");
+    ExpectThatTheyFindEachOther(one, two);
+  }
 }
 
 TEST_F(BeaconNetwork, UsesInterfacesThatAppearLater) {
   BeaconOptions impatient = options;
   impatient.period = std::chrono::milliseconds(50);
   impatient.patience = std::chrono::milliseconds(500);
-  const Participant one(cable->left, impatient, "tcp://*:5555");
-  const Participant two(cable->right, impatient, "tcp://*:6666");
-  EXPECT_TRUE(one.beacon->List().empty());
+  const RemoteParticipant one(cable->left, impatient, "tcp://*:5555");
+  const RemoteParticipant two(cable->right, impatient, "tcp://*:6666");
+  EXPECT_TRUE(one.discovery->List().empty());
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(cable->Set("up"));
-    EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
-    EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
+    ExpectThatTheyFindEachOther(one, two);
     ASSERT_TRUE(cable->Set("down"));
     EXPECT_TRUE(one.listening.AwaitCount(0));
     EXPECT_TRUE(two.listening.AwaitCount(0));
@@ -90,15 +83,14 @@ TEST_F(BeaconNetwork, UsesANamedInterfaceThatAppearsLaterAndLogsOnceThatItIsMiss
   BeaconOptions named = options;
   named.interfaces = {"late0"};
   named.period = std::chrono::milliseconds(50);
-  const Participant one(cable->left, options, "tcp://*:5555");
-  const Participant two(cable->right, named, "tcp://*:6666");
+  const RemoteParticipant one(cable->left, options, "tcp://*:5555");
+  const RemoteParticipant two(cable->right, named, "tcp://*:6666");
   EXPECT_TRUE(Await([&] { return two.log.Count({"There is no network interface \"late0\""}) == 1; }));
-  EXPECT_TRUE(one.beacon->List().empty());
+  EXPECT_TRUE(one.discovery->List().empty());
   const std::string right = "-n " + cable->right + " link set ";
   ASSERT_TRUE(Ip(right + cable->right_interface + " down") && Ip(right + cable->right_interface + " name late0") &&
               Ip(right + "late0 up"));
-  EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:6666"));
-  EXPECT_TRUE(two.Finds(one, "tcp://10.198.0.1:5555"));
+  ExpectThatTheyFindEachOther(one, two);
   EXPECT_EQ(two.log.Count({"late0"}), 1U);
 }
 
@@ -108,7 +100,7 @@ TEST_F(BeaconNetwork, LogsOnceThatAnInterfaceHasNeitherMulticastNorBroadcast) {
               Ip("-n " + cable->right + " link set vpn0 multicast off up"));
   BeaconOptions often = options;
   often.period = std::chrono::milliseconds(50);
-  const Participant one(cable->right, often, "tcp://*:5555");
+  const RemoteParticipant one(cable->right, often, "tcp://*:5555");
   EXPECT_TRUE(Await([&] { return one.log.Count({"\"vpn0\""}) == 1; }));
   test::Linger(std::chrono::milliseconds(300));
   EXPECT_EQ(one.log.Count({"\"vpn0\""}), 1U);
@@ -119,11 +111,11 @@ TEST_F(BeaconNetwork, UsesOnlyTheChosenInterfaces) {
   ASSERT_TRUE(Ip("-n " + cable->right + " link set lo up"));
   BeaconOptions loopback = options;
   loopback.interfaces = {"lo"};
-  const Participant one(cable->left, options, "tcp://*:5555");
-  const Participant deaf(cable->right, loopback, "tcp://*:6666");
-  const Participant two(cable->right, options, "tcp://*:7777");
+  const RemoteParticipant one(cable->left, options, "tcp://*:5555");
+  const RemoteParticipant deaf(cable->right, loopback, "tcp://*:6666");
+  const RemoteParticipant two(cable->right, options, "tcp://*:7777");
   EXPECT_TRUE(one.Finds(two, "tcp://10.198.0.2:7777"));
-  EXPECT_TRUE(deaf.beacon->List().empty());
+  EXPECT_TRUE(deaf.discovery->List().empty());
 }
 
 TEST_F(BeaconNetwork, SendsNothingBeyondARouter) {
@@ -144,7 +136,7 @@ TEST_F(BeaconNetwork, SendsNothingBeyondARouter) {
   });
   BeaconOptions often = options;
   often.period = std::chrono::milliseconds(50);
-  const Participant one(cable->left, often, "tcp://*:5555");
+  const RemoteParticipant one(cable->left, often, "tcp://*:5555");
   int time_to_live = -1;
   EXPECT_TRUE(Await([&] {
     char bytes[2000];

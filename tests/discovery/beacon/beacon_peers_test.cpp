@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "discovery/listening.hpp"
 
 namespace hgros::discovery {

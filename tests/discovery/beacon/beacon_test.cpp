@@ -8,13 +8,10 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <memory>
 #include <optional>
 #include <random>
 #include <stop_token>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "discovery/beacon/beacon_socket.hpp"
 #include "discovery/beacon/datagram.hpp"
@@ -28,36 +25,23 @@ using std::chrono::hours;
 using std::chrono::milliseconds;
 using test::Await;
 
-/// The announcement that others get when the datagram of `own` comes from `sender`.
-Announcement AsHeard(const Announcement& own, const std::string& sender) {
-  return ParseDatagram(AsBytes(EncodeDatagram(own, "robot", false)), "robot", sender)->peer;
-}
-
-struct Participant {
-  explicit Participant(const BeaconOptions& options) : beacon(OpenBeacon(options, listening, log.log)) {
+struct LocalParticipant : Participant {
+  explicit LocalParticipant(const BeaconOptions& options)
+      : Participant([&](auto& listener, Log& kept) { return OpenBeacon(options, listener, kept); }) {
     own.endpoints = {"tcp://*:5555"};
   }
-  ~Participant() {
-    beacon.reset();
-    EXPECT_EQ(listening.broken(), "");
+  /// The announcement that others get from its datagrams.
+  [[nodiscard]] Announcement heard() const {
+    return ParseDatagram(AsBytes(EncodeDatagram(own, "robot", false)), "robot", "127.0.0.1")->peer;
   }
-  Participant(const Participant&) = delete;
-  Participant& operator=(const Participant&) = delete;
-  void Announce() const { beacon->Announce(own); }
-  [[nodiscard]] Announcement heard() const { return AsHeard(own, "127.0.0.1"); }
-
-  KeptLog log;
-  Listening listening;
-  Announcement own = NewAnnouncement();
-  std::unique_ptr<Discovery> beacon;
 };
 
 /// Beacons on the loopback, at an address that no other test uses.
 class Beacon : public testing::Test {
  protected:
   void SetUp() override {
-    const Participant one(options);
-    const Participant two(options);
+    const LocalParticipant one(options);
+    const LocalParticipant two(options);
     one.Announce();
     two.Announce();
     if (!one.log.text().empty()) GTEST_SKIP() << "no multicast on the loopback here: " << one.log.text();
@@ -71,15 +55,15 @@ class Beacon : public testing::Test {
 };
 
 TEST_F(Beacon, LetsSessionsFindEachOtherAndSayGoodbye) {
-  const Participant one(options);
-  std::optional<Participant> two(options);
+  const LocalParticipant one(options);
+  std::optional<LocalParticipant> two(options);
   one.Announce();
   two->Announce();
   const Announcement other = two->heard();
   EXPECT_EQ(other.endpoints, std::vector<std::string>{"tcp://127.0.0.1:5555"});
   EXPECT_TRUE(one.listening.AwaitPeer(other));
   EXPECT_TRUE(two->listening.AwaitPeer(one.heard()));
-  EXPECT_EQ(one.beacon->List(), std::vector{other});
+  EXPECT_EQ(one.discovery->List(), std::vector{other});
   two.reset();
   EXPECT_TRUE(one.listening.AwaitCount(0));
   EXPECT_EQ(one.listening.gone(other.session), "It said goodbye.");
@@ -89,9 +73,9 @@ TEST_F(Beacon, LetsSessionsFindEachOtherAndSayGoodbye) {
 TEST_F(Beacon, SendsChangesAtOnceAndAnswersNewPeers) {
   options.period = hours(1);
   options.patience = hours(10);
-  Participant early(options);
+  LocalParticipant early(options);
   early.Announce();
-  const Participant late(options);
+  const LocalParticipant late(options);
   late.Announce();
   EXPECT_TRUE(early.listening.AwaitPeer(late.heard()));
   EXPECT_TRUE(late.listening.AwaitPeer(early.heard())) << "long before the next period";
@@ -104,7 +88,7 @@ TEST_F(Beacon, SendsChangesAtOnceAndAnswersNewPeers) {
 
 TEST_F(Beacon, ReportsSilentPeersAsGone) {
   options.patience = milliseconds(300);
-  const Participant one(options);
+  const LocalParticipant one(options);
   const BeaconSocket stranger({"lo"}, options.port);
   const Announcement brief = NewAnnouncement("brief");
   ASSERT_EQ(stranger.Send(EncodeDatagram(brief, "robot", false)), "");
@@ -114,7 +98,7 @@ TEST_F(Beacon, ReportsSilentPeersAsGone) {
 }
 
 TEST_F(Beacon, IgnoresOtherDomainsAndInvalidDatagrams) {
-  const Participant one(options);
+  const LocalParticipant one(options);
   const BeaconSocket stranger({"lo"}, options.port);
   std::mt19937 random(7);
   const std::string good = EncodeDatagram(NewAnnouncement(), "robot", false);
@@ -125,14 +109,14 @@ TEST_F(Beacon, IgnoresOtherDomainsAndInvalidDatagrams) {
     (void)stranger.Send(bad);
     (void)stranger.Send(good.substr(0, random() % 8));
   }
-  const Participant two(options);
+  const LocalParticipant two(options);
   two.Announce();
   EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));
   EXPECT_TRUE(one.listening.AwaitCount(1));
 }
 
 TEST_F(Beacon, SurvivesAFloodAndLogsIt) {
-  const Participant one(options);
+  const LocalParticipant one(options);
   const BeaconSocket stranger({"lo"}, options.port);
   const std::string stranger_datagram = EncodeDatagram(NewAnnouncement(), "robot", false);
   // Repeat until it is logged: the kernel drops some of the datagrams.
@@ -140,13 +124,13 @@ TEST_F(Beacon, SurvivesAFloodAndLogsIt) {
     for (int i = 0; i < 1000; ++i) (void)stranger.Send(stranger_datagram);
     return one.log.Count({"datagrams a second"}) == 1;
   }));
-  const Participant two(options);
+  const LocalParticipant two(options);
   two.Announce();
   EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));
 }
 
 TEST_F(Beacon, HearsSessionsInAFloodOfGarbage) {
-  const Participant one(options);
+  const LocalParticipant one(options);
   const BeaconSocket stranger({"lo"}, options.port);
   const std::string garbage(100, 'x');
   const std::jthread flood([&](const std::stop_token& stop) {
@@ -157,13 +141,13 @@ TEST_F(Beacon, HearsSessionsInAFloodOfGarbage) {
   });
   test::Linger(milliseconds(1500));
   EXPECT_EQ(one.log.text(), "") << "a few thousand datagrams of others are no reason to be deaf";
-  const Participant two(options);
+  const LocalParticipant two(options);
   two.Announce();
   EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));
 }
 
 TEST_F(Beacon, RefusesInvalidOptions) {
-  Participant one(options);
+  LocalParticipant one(options);
   const Announcement good = one.own;
   one.own.session = {};
   EXPECT_THROW(one.Announce(), Error);
@@ -189,21 +173,21 @@ TEST_F(Beacon, RefusesInvalidOptions) {
 }
 
 TEST_F(Beacon, ForkedChildDoesNotDisturbIt) {
-  const Participant one(options);
-  Participant two(options);
+  const LocalParticipant one(options);
+  LocalParticipant two(options);
   one.Announce();
   two.Announce();
   ASSERT_TRUE(one.listening.AwaitPeer(two.heard()));
   (void)std::fflush(nullptr);
   const pid_t child = fork();
   if (child == 0) {
-    int status = two.beacon->List().empty() ? 0 : 1;
+    int status = two.discovery->List().empty() ? 0 : 1;
     try {
       two.Announce();
       status |= 2;
     } catch (const Error&) {
     }
-    two.beacon.reset();
+    two.discovery.reset();
     _exit(status);
   }
   int status = 0;

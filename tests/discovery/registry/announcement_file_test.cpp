@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "discovery/listening.hpp"
 #include "hgros/announcement.pb.h"
 #include "hgros/base/error.hpp"

@@ -4,13 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <filesystem>
+#include <deque>
 #include <fstream>
-#include <memory>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "discovery/listening.hpp"
 #include "discovery/registry/announcement_file.hpp"
@@ -26,7 +21,7 @@ namespace {
 using test::Await;
 namespace fs = std::filesystem;
 
-class HostileFile : public testing::Test {
+class HostileFile : public testing::Test, protected OwnDomain {
  protected:
   HostileFile() : registry(OpenRegistry(options, listening, log.log)) {}
   ~HostileFile() override {
@@ -34,92 +29,61 @@ class HostileFile : public testing::Test {
     EXPECT_EQ(listening.broken(), "");
   }
 
-  /// Expects that the file is ignored, and logged once with these words, while other sessions come and go.
-  void ExpectIgnored(const fs::path& path, const std::string& words) {
-    for (int i = 0; i < 3; ++i) {
-      Listening other_listening;
-      const auto other = OpenRegistry(options, other_listening, other_log.log);
-      const Announcement own = NewAnnouncement();
-      other->Announce(own);
-      EXPECT_TRUE(listening.AwaitPeer(own));
-      EXPECT_EQ(registry->List(), std::vector{own});
-    }
-    EXPECT_TRUE(listening.AwaitCount(0));
-    EXPECT_TRUE(Await([&] { return log.Count({path.string(), words}) == 1; })) << log.text();
-    EXPECT_EQ(log.Count({path.string()}), 1U) << log.text();
-    EXPECT_TRUE(fs::exists(fs::symlink_status(path))) << "the registry must not remove it";
-  }
-  /// A living session whose file contains `content`.
-  void ExpectContentIgnored(const std::string& content, const std::string& words) {
-    const SessionId session = SessionId::Random();
-    OwnFile file(folder, session);
-    ASSERT_TRUE(file.Put(content));
-    ExpectIgnored(file.path(), words);
-  }
-  [[nodiscard]] fs::path NewName() const { return folder / FileName(SessionId::Random()); }
   /// Moves the file at `from` to the place of a session's file.
   [[nodiscard]] fs::path MoveIn(const fs::path& from) const {
-    const fs::path name = NewName();
+    const fs::path name = folder / FileName(SessionId::Random());
     fs::rename(from, name);
     return name;
   }
 
-  ScratchFolder scratch;
-  RegistryOptions options{scratch.path() / "hgros", "robot"};
-  fs::path folder = options.folder / options.domain;
   KeptLog log;
   KeptLog other_log;  // The other registry logs the same.
   Listening listening;
   std::unique_ptr<Discovery> registry;
 };
 
-TEST_F(HostileFile, FolderIsIgnored) {
-  fs::create_directory(scratch.path() / "folder");
-  ExpectIgnored(MoveIn(scratch.path() / "folder"), "not a regular file");
-}
-
-TEST_F(HostileFile, SymbolicLinkIsIgnored) {
+TEST_F(HostileFile, IsIgnoredAndLoggedOnceWithTheReasonWhileOthersComeAndGo) {
+  std::vector<std::pair<fs::path, std::string>> reasons;
+  fs::create_directory(scratch / "folder");
+  reasons.emplace_back(MoveIn(scratch / "folder"), "not a regular file");
   OwnFile elsewhere(scratch.path(), SessionId::Random());
   ASSERT_TRUE(elsewhere.Put(EncodeFile(NewAnnouncement())));
-  fs::create_symlink(elsewhere.path(), scratch.path() / "link");
-  ExpectIgnored(MoveIn(scratch.path() / "link"), "symbolic link");
-}
-
-TEST_F(HostileFile, PipeIsIgnored) {
-  ASSERT_EQ(mkfifo((scratch.path() / "pipe").c_str(), 0600), 0);
-  ExpectIgnored(MoveIn(scratch.path() / "pipe"), "not a regular file");
-}
-
-TEST_F(HostileFile, FileWritableByOthersIsIgnored) {
-  std::ofstream(scratch.path() / "file") << "anything";
-  ASSERT_EQ(chmod((scratch.path() / "file").c_str(), 0666), 0);
-  ExpectIgnored(MoveIn(scratch.path() / "file"), "others may write");
-}
-
-TEST_F(HostileFile, FileOfAnotherUserIsIgnored) {
-  if (geteuid() != 0) GTEST_SKIP() << "giving files away needs root";
-  std::ofstream(scratch.path() / "file") << "anything";
-  ASSERT_EQ(chown((scratch.path() / "file").c_str(), 12345, 12345), 0);
-  ExpectIgnored(MoveIn(scratch.path() / "file"), "belongs to user 12345");
-}
-
-TEST_F(HostileFile, HugeFileIsIgnored) { ExpectContentIgnored(std::string(kMaxFileBytes + 1, 'x'), "more than"); }
-
-TEST_F(HostileFile, GarbageIsIgnored) {
-  ExpectContentIgnored("\xff\xff\xff garbage", "not an announcement");
-  ExpectContentIgnored("", "not an announcement");
-}
-
-TEST_F(HostileFile, FileOfAnotherVersionIsIgnored) {
-  wire::AnnouncementFile file;
-  ASSERT_TRUE(file.ParseFromString(EncodeFile(NewAnnouncement())));
-  file.set_version(kFileVersion + 1);
-  ExpectContentIgnored(file.SerializeAsString(), "version 2");
-}
-
-TEST_F(HostileFile, FileThatNamesAnotherSessionIsIgnored) {
-  const Announcement other = NewAnnouncement();
-  ExpectContentIgnored(EncodeFile(other), "announces session " + other.session.ToString());
+  fs::create_symlink(elsewhere.path(), scratch / "link");
+  reasons.emplace_back(MoveIn(scratch / "link"), "symbolic link");
+  ASSERT_EQ(mkfifo((scratch / "pipe").c_str(), 0600), 0);
+  reasons.emplace_back(MoveIn(scratch / "pipe"), "not a regular file");
+  ASSERT_EQ(chmod(scratch.Write("file", "anything").c_str(), 0666), 0);
+  reasons.emplace_back(MoveIn(scratch / "file"), "others may write");
+  if (geteuid() == 0) {  // Giving files away needs root.
+    ASSERT_EQ(chown(scratch.Write("file", "anything").c_str(), 12345, 12345), 0);
+    reasons.emplace_back(MoveIn(scratch / "file"), "belongs to user 12345");
+  }
+  // Files of living sessions.
+  const Announcement another = NewAnnouncement();
+  std::deque<OwnFile> living;
+  for (const auto& [content, reason] : std::vector<std::pair<std::string, std::string>>{
+           {std::string(kMaxFileBytes + 1, 'x'), "more than"},
+           {"\xff\xff\xff garbage", "not an announcement"},
+           {"", "not an announcement"},
+           {EncodeFile(another), "announces session " + another.session.ToString()}}) {
+    ASSERT_TRUE(living.emplace_back(folder, SessionId::Random()).Put(content));
+    reasons.emplace_back(living.back().path(), reason);
+  }
+  for (int i = 0; i < 3; ++i) {
+    Listening other_listening;
+    const auto other = OpenRegistry(options, other_listening, other_log.log);
+    const Announcement own = NewAnnouncement();
+    other->Announce(own);
+    EXPECT_TRUE(listening.AwaitPeer(own));
+    EXPECT_EQ(registry->List(), std::vector{own});
+  }
+  EXPECT_TRUE(listening.AwaitCount(0));
+  for (const auto& one : reasons) {
+    const std::string path = one.first.string();
+    EXPECT_TRUE(Await([&] { return log.Count({path, one.second}) == 1; })) << one.second << "\n" << log.text();
+    EXPECT_EQ(log.Count({path}), 1U) << log.text();
+    EXPECT_TRUE(fs::exists(fs::symlink_status(path))) << "the registry must not remove it";
+  }
 }
 
 TEST_F(HostileFile, FileWithoutASessionNameIsLeftAlone) {
@@ -134,10 +98,8 @@ TEST_F(HostileFile, FileWithoutASessionNameIsLeftAlone) {
 }
 
 TEST_F(HostileFile, UnlockedFileIsRemoved) {
-  std::ofstream(scratch.path() / "one") << "anything";
-  std::ofstream(scratch.path() / "two") << EncodeFile(NewAnnouncement());
-  const fs::path one = MoveIn(scratch.path() / "one");
-  const fs::path two = MoveIn(scratch.path() / "two");
+  const fs::path one = MoveIn(scratch.Write("one", "anything"));
+  const fs::path two = MoveIn(scratch.Write("two", EncodeFile(NewAnnouncement())));
   EXPECT_TRUE(Await([&] { return !fs::exists(one) && !fs::exists(two); }));
   std::ofstream(folder / UnfinishedFileName(SessionId::Random())) << "half of it";
   EXPECT_TRUE(Await([&] { return IsEmptyOrGone(folder); }));
@@ -147,8 +109,7 @@ TEST_F(HostileFile, UnlockedFileIsRemoved) {
 
 TEST_F(HostileFile, SessionEndsWhenTheLockIsReleasedAfterClosing) {
   const Announcement own = NewAnnouncement();
-  const fs::path elsewhere = scratch.path() / "file";
-  std::ofstream(elsewhere) << EncodeFile(own);
+  const fs::path elsewhere = scratch.Write("file", EncodeFile(own));
   const OwnDescriptor file([&] { return open(elsewhere.c_str(), O_RDWR | O_CLOEXEC); });
   ASSERT_TRUE(TakeLock(file.get()));
   fs::rename(elsewhere, folder / FileName(own.session));

@@ -1,15 +1,21 @@
+// The folder of a registry, what watches it, and the files of sessions in it.
 #include "discovery/registry/registry_folder.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
+#include <atomic>
 #include <fstream>
-#include <string>
+#include <thread>
 
 #include "discovery/listening.hpp"
+#include "discovery/registry/folder_watch.hpp"
+#include "discovery/registry/own_file.hpp"
+#include "discovery/registry/session_file.hpp"
 #include "hgros/base/error.hpp"
+#include "support/error_of.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -17,20 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string MakeFault(const RegistryOptions& options) {
-  try {
-    RegistryFolder(options).Make();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
+  return test::ErrorOf([&] { RegistryFolder(options).Make(); });
 }
 
-class RegistryFolderTest : public testing::Test {
- protected:
-  ScratchFolder scratch;
-  RegistryOptions options{scratch.path() / "hgros", "robot"};
-  fs::path folder = options.folder / options.domain;
-};
+class RegistryFolderTest : public testing::Test, protected OwnDomain {};
 
 TEST_F(RegistryFolderTest, IsCreatedForThisUserOnly) {
   EXPECT_EQ(MakeFault(options), "");
@@ -53,10 +49,10 @@ TEST_F(RegistryFolderTest, RefusesFolderThatOthersMayWriteTo) {
 }
 
 TEST_F(RegistryFolderTest, RefusesSymbolicLinksAndFiles) {
-  fs::create_directory(scratch.path() / "elsewhere");
-  fs::create_directory_symlink(scratch.path() / "elsewhere", options.folder);
+  fs::create_directory(scratch / "elsewhere");
+  fs::create_directory_symlink(scratch / "elsewhere", options.folder);
   EXPECT_NE(MakeFault(options).find("symbolic link"), std::string::npos);
-  EXPECT_TRUE(fs::is_empty(scratch.path() / "elsewhere") || fs::exists(scratch.path() / "elsewhere" / "robot"));
+  EXPECT_TRUE(fs::is_empty(scratch / "elsewhere") || fs::exists(scratch / "elsewhere" / "robot"));
   fs::remove(options.folder);
   std::ofstream(options.folder) << "a file";
   EXPECT_NE(MakeFault(options), "");
@@ -70,7 +66,7 @@ TEST_F(RegistryFolderTest, RefusesFolderOfAnotherUser) {
 }
 
 TEST_F(RegistryFolderTest, RefusesMissingParentFolder) {
-  options.folder = scratch.path() / "missing" / "hgros";
+  options.folder = scratch / "missing" / "hgros";
   EXPECT_NE(MakeFault(options).find("parent does not exist"), std::string::npos);
 }
 
@@ -82,6 +78,64 @@ TEST(Domain, NameMustBeUsableAsAFolderName) {
     EXPECT_FALSE(IsDomain(bad)) << bad;
     EXPECT_THROW(RequireDomain(bad), Error) << bad;
   }
+}
+
+TEST(SessionFile, SurvivesCleanUpWhileItsLivingOwnerReplacesIt) {
+  const test::ScratchFolder scratch;
+  for (const int cleaners : {1, 2, 4}) {
+    OwnFile own(scratch.path(), SessionId::Random());
+    std::atomic<bool> done = false;
+    std::vector<std::thread> threads;
+    for (int i = 0; i < cleaners; ++i) {
+      threads.emplace_back([&] {
+        while (!done) RemoveStaleFile(own.path());
+      });
+    }
+    int lost = 0;
+    for (int i = 0; i < 200; ++i) {
+      if (!own.Put(std::to_string(i)) || !own.IsInPlace()) ++lost;
+    }
+    done = true;
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(lost, 0) << cleaners;
+    EXPECT_TRUE(own.IsInPlace()) << cleaners;
+  }
+}
+
+TEST(SessionFile, RecognizesItsNames) {
+  const SessionId session = SessionId::Random();
+  EXPECT_EQ(SessionOfFile(FileName(session)), session);
+  EXPECT_EQ(SessionOfFile(UnfinishedFileName(session)), SessionId{});
+  EXPECT_TRUE(IsUnfinished(UnfinishedFileName(session)));
+  EXPECT_FALSE(IsUnfinished(FileName(session)));
+  EXPECT_FALSE(IsUnfinished(".hidden"));
+}
+
+TEST(FolderWatch, MayHaveMissedChangesAndDeathsWhenTheSystemHasDroppedEvents) {
+  std::size_t most = 0;
+  std::ifstream("/proc/sys/fs/inotify/max_queued_events") >> most;
+  if (most == 0 || most > 1'000'000) GTEST_SKIP() << "The system keeps " << most << " events.";
+  const test::ScratchFolder scratch;
+  Log log;
+  FolderWatch watch(log);
+  watch.Watch(scratch.path());
+  if (watch.fd() < 0) GTEST_SKIP() << "There is no inotify left.";
+  // Equal events in a row count as one.
+  const auto close_file = [&](const char* name) {
+    close(open((scratch / name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  };
+  close_file("one");
+  close_file("other");
+  const FolderWatch::News all = watch.Read(2);
+  EXPECT_EQ(all.events.size(), 2U);
+  EXPECT_FALSE(all.missed || all.deaths);
+  for (std::size_t i = 0; i <= most / 2; ++i) {
+    close_file("one");
+    close_file("other");
+  }
+  const FolderWatch::News news = watch.Read(2);
+  EXPECT_TRUE(news.missed);
+  EXPECT_TRUE(news.deaths);
 }
 
 }  // namespace

@@ -7,16 +7,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <fstream>
-#include <memory>
-#include <string>
 
 #include "discovery/listening.hpp"
 #include "discovery/registry/own_file.hpp"
-#include "hgros/base/error.hpp"
-#include "hgros/discovery/registry.hpp"
+#include "support/error_of.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -46,10 +42,10 @@ class PlacesOfAHost : public testing::Test {
     return file;
   }
 
-  ScratchFolder scratch;
-  const fs::path users = scratch.path() / "users";
-  const fs::path temporary = scratch.path() / "temporary";
-  const fs::path custom = scratch.path() / "custom";
+  test::ScratchFolder scratch;
+  const fs::path users = scratch / "users";
+  const fs::path temporary = scratch / "temporary";
+  const fs::path custom = scratch / "custom";
   const fs::path in_temporary = temporary / ("hgros-" + kUser);
 };
 
@@ -58,7 +54,7 @@ TEST_F(PlacesOfAHost, FolderOfTheLoggedInUserIsUsedWithAndWithoutTheVariable) {
   MakeFolder(users / kUser);
   EXPECT_EQ(With(users / kUser).Choose("robot"), users / kUser / "hgros");
   EXPECT_EQ(With({}).Choose("robot"), users / kUser / "hgros");
-  for (const fs::path& bad : {fs::path("relative"), scratch.path() / "missing"}) {
+  for (const fs::path& bad : {fs::path("relative"), scratch / "missing"}) {
     EXPECT_EQ(With(bad).Choose("robot"), users / kUser / "hgros") << bad;
   }
   fs::permissions(custom, fs::perms::all);
@@ -100,7 +96,7 @@ TEST_F(PlacesOfAHost, SessionsThatStartedInTwoFoldersAreReported) {
 
 TEST_F(PlacesOfAHost, OneFolderWithTwoPathsIsNotReported) {
   MakeFolder(users / kUser);
-  const fs::path linked = scratch.path() / "linked";
+  const fs::path linked = scratch / "linked";
   fs::create_directory_symlink(users, linked);
   const RegistryPlaces places = With(linked / kUser);
   const fs::path chosen = places.Choose("robot");
@@ -130,7 +126,7 @@ TEST_F(PlacesOfAHost, LinksToFoldersWithoutSessionsAreRemoved) {
   };
   EXPECT_EQ(With(custom).Choose("robot"), custom / "hgros");
   auto living = Live(custom / "hgros");
-  fs::create_symlink(scratch.path() / "gone", in_temporary / ".place-1-2");  // Of another network.
+  fs::create_symlink(scratch / "gone", in_temporary / ".place-1-2");  // Of another network.
   age();
   (void)With({}).Choose("other");
   EXPECT_EQ(links(), 1U) << "a session lives there";
@@ -195,14 +191,6 @@ TEST_F(PlacesOfAHost, RootSaysOnceThatASessionOfAnotherUserHasStartedLater) {
 }
 
 TEST_F(PlacesOfAHost, AFullDiskIsNamedWithTheSameFileEachTime) {
-  const auto error = [&](OwnFile& file) -> std::string {
-    try {
-      (void)file.Put(std::string(1 << 20, 'x'));
-    } catch (const Error& full) {
-      return full.what();
-    }
-    return {};
-  };
   const fs::path place = custom / "robot";
   MakeFolder(place);
   OwnFile file(place, SessionId::Random());
@@ -211,8 +199,9 @@ TEST_F(PlacesOfAHost, AFullDiskIsNamedWithTheSameFileEachTime) {
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit small{4096, before.rlim_max};
   setrlimit(RLIMIT_FSIZE, &small);  // Writing fails as on a full disk.
-  const std::string first = error(file);
-  const std::string second = error(file);
+  const auto put = [&] { return file.Put(std::string(1 << 20, 'x')); };
+  const std::string first = test::ErrorOf(put);
+  const std::string second = test::ErrorOf(put);
   setrlimit(RLIMIT_FSIZE, &before);
   (void)std::signal(SIGXFSZ, handler);
   EXPECT_NE(first.find(file.path().string() + ": "), std::string::npos) << first;

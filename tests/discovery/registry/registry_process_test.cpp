@@ -1,24 +1,20 @@
 // Registries whose processes are killed, or fork.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
+#include <deque>
+#include <stdexcept>
 
-#include "discovery/announcing_process.hpp"
 #include "discovery/listening.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/discovery/registry.hpp"
+#include "support/path.hpp"
 
 namespace hgros::discovery {
 namespace {
@@ -26,33 +22,88 @@ namespace {
 using test::Await;
 namespace fs = std::filesystem;
 
-class RegistryProcess : public testing::Test {
- protected:
-  [[nodiscard]] AnnouncingProcess Start(int sessions, bool forks = false) const {
-    return {options.folder, options.domain, sessions, forks};
+/// A discovery_worker that has announced its sessions. Killed when this object ends.
+class AnnouncingProcess {
+ public:
+  AnnouncingProcess(const RegistryOptions& options, int sessions, bool forks) {
+    std::vector<std::string> command{test::Path("worker"), options.folder.string(), options.domain,
+                                     std::to_string(sessions)};
+    if (forks) command.emplace_back("fork");
+    std::vector<char*> pointers;
+    for (std::string& argument : command) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    int input[2];
+    int output[2];
+    if (pipe2(input, O_CLOEXEC) != 0 || pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, input[0], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, output[1], STDOUT_FILENO);
+    const bool started = posix_spawn(&pid_, pointers[0], &actions, nullptr, pointers.data(), environ) == 0;
+    posix_spawn_file_actions_destroy(&actions);
+    close(input[0]);
+    close(output[1]);
+    input_ = input[1];
+    std::string said;
+    char byte = 0;
+    while (started && read(output[0], &byte, 1) == 1 && byte != '\n') said += byte;
+    close(output[0]);
+    if (!said.starts_with("ready ")) {
+      close(input_);
+      if (started) waitpid(pid_, nullptr, 0);
+      throw std::runtime_error("the worker did not announce its sessions");
+    }
+    child_ = std::stoi(said.substr(6));
   }
+  AnnouncingProcess(const AnnouncingProcess&) = delete;
+  AnnouncingProcess& operator=(const AnnouncingProcess&) = delete;
+  ~AnnouncingProcess() {
+    if (input_ >= 0) close(input_);
+    if (pid_ <= 0) return;
+    Kill();
+    waitpid(pid_, nullptr, 0);
+  }
+
+  /// Sends SIGKILL and does not wait.
+  void Kill() const { kill(pid_, SIGKILL); }
+  /// Ends it, and a child that it forked, in order, and waits. Returns the exit status, or -1.
+  int Finish() {
+    close(std::exchange(input_, -1));
+    int status = 0;
+    const bool ended = waitpid(std::exchange(pid_, -1), &status, 0) > 0;
+    return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  [[nodiscard]] pid_t child() const { return child_; }
+
+ private:
+  pid_t pid_ = -1;
+  pid_t child_ = 0;
+  int input_ = -1;  // Closing it ends the worker.
+};
+
+class RegistryProcess : public testing::Test, protected OwnDomain {
+ protected:
+  [[nodiscard]] AnnouncingProcess Start(int sessions, bool forks = false) const { return {options, sessions, forks}; }
   [[nodiscard]] std::unique_ptr<Discovery> Open(Listening& listening) {
     return OpenRegistry(options, listening, log.log);
   }
 
-  ScratchFolder scratch;
-  RegistryOptions options{scratch.path() / "hgros", "robot"};
-  fs::path folder = options.folder / options.domain;
   KeptLog log;
 };
 
-TEST_F(RegistryProcess, KilledProcessIsReportedAndItsFilesAreRemoved) {
+TEST_F(RegistryProcess, KilledProcessIsReportedAndItsFilesAreRemovedAlthoughItsForkedChildLives) {
   Listening listening;
   auto registry = Open(listening);
-  std::optional<AnnouncingProcess> worker;
-  worker.emplace(options.folder, options.domain, 5);
+  const AnnouncingProcess worker = Start(5, true);
   ASSERT_TRUE(listening.AwaitCount(5));
   const std::vector<Announcement> peers = listening.here();
-  EXPECT_EQ(peers[0].pid, worker->pid());
+  EXPECT_EQ(peers[0].pid, worker.pid());
   EXPECT_EQ(peers[0].process, "discovery_worker");
   EXPECT_NE(peers[0].pid_start_time, 0U);
-  worker->Kill();
+  worker.Kill();
   ASSERT_TRUE(listening.AwaitCount(0));
+  EXPECT_EQ(kill(worker.child(), 0), 0) << "the child lives";
   EXPECT_EQ(listening.gone(peers[0].session), "Its process ended without a goodbye.");
   EXPECT_TRUE(IsEmptyOrGone(folder));
   registry.reset();
@@ -112,16 +163,12 @@ TEST_F(RegistryProcess, LaterRegistryRemovesFilesOfADeadProcess) {
 }
 
 TEST_F(RegistryProcess, ManyRegistriesCleanUpAKilledProcessAndSpareNewOnes) {
-  constexpr int kObservers = 6;
-  std::vector<std::unique_ptr<Listening>> listening;
+  std::deque<Listening> listening(6);
   std::vector<std::unique_ptr<Discovery>> observers;
-  for (int i = 0; i < kObservers; ++i) {
-    listening.push_back(std::make_unique<Listening>());
-    observers.push_back(Open(*listening.back()));
-  }
+  for (Listening& one : listening) observers.push_back(Open(one));
   for (int round = 0; round < 10; ++round) {
     const AnnouncingProcess worker = Start(4);
-    for (const auto& one : listening) ASSERT_TRUE(one->AwaitCount(4));
+    for (const auto& one : listening) ASSERT_TRUE(one.AwaitCount(4));
     worker.Kill();
     // A session comes, and changes, while the files of the dead process are removed.
     Listening coming_listening;
@@ -132,27 +179,17 @@ TEST_F(RegistryProcess, ManyRegistriesCleanUpAKilledProcessAndSpareNewOnes) {
       coming->Announce(own);
     }
     for (const auto& one : listening) {
-      EXPECT_TRUE(one->AwaitPeer(own));
-      EXPECT_TRUE(one->AwaitCount(1));
-      EXPECT_EQ(one->came(own.session), 1);
+      EXPECT_TRUE(one.AwaitPeer(own));
+      EXPECT_TRUE(one.AwaitCount(1));
+      EXPECT_EQ(one.came(own.session), 1);
     }
     EXPECT_TRUE(coming_listening.AwaitCount(0));
     EXPECT_EQ(coming_listening.broken(), "");
   }
-  for (const auto& one : listening) EXPECT_TRUE(one->AwaitCount(0));
+  for (const auto& one : listening) EXPECT_TRUE(one.AwaitCount(0));
   EXPECT_TRUE(IsEmptyOrGone(folder));
-  for (const auto& one : listening) EXPECT_EQ(one->broken(), "");
+  for (const auto& one : listening) EXPECT_EQ(one.broken(), "");
   EXPECT_EQ(log.text(), "");
-}
-
-TEST_F(RegistryProcess, ForkedChildDoesNotKeepItsKilledParentAlive) {
-  Listening listening;
-  const auto registry = Open(listening);
-  AnnouncingProcess worker = Start(2, true);
-  ASSERT_TRUE(listening.AwaitCount(2));
-  worker.Kill();
-  EXPECT_TRUE(listening.AwaitCount(0));
-  EXPECT_EQ(kill(worker.child(), 0), 0) << "the child lives";
 }
 
 TEST_F(RegistryProcess, ForkDoesNotDisturbTheParent) {
@@ -166,8 +203,7 @@ TEST_F(RegistryProcess, ForkDoesNotDisturbTheParent) {
   (void)std::fflush(nullptr);
   const pid_t child = fork();
   if (child == 0) {
-    int status = 0;
-    if (!registry->List().empty()) status |= 1;
+    int status = registry->List().empty() ? 0 : 1;
     try {
       registry->Announce(own);
       status |= 2;

@@ -5,13 +5,10 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cstdint>
+#include <deque>
 #include <fstream>
-#include <memory>
 #include <optional>
 #include <random>
-#include <string>
-#include <vector>
 
 #include "discovery/listening.hpp"
 #include "hgros/base/error.hpp"
@@ -23,63 +20,39 @@ namespace {
 using test::Await;
 namespace fs = std::filesystem;
 
-/// A registry with its listener.
-struct Participant {
-  explicit Participant(const RegistryOptions& options, const std::string& process = "test")
-      : own(NewAnnouncement(process)), registry(OpenRegistry(options, listening, log.log)) {}
-  ~Participant() {
-    registry.reset();
-    EXPECT_EQ(listening.broken(), "");
-  }
-  Participant(const Participant&) = delete;
-  Participant& operator=(const Participant&) = delete;
-  void Announce() const { registry->Announce(own); }
-
-  KeptLog log;
-  Listening listening;
-  Announcement own;
-  std::unique_ptr<Discovery> registry;
+struct Registered : Participant {
+  explicit Registered(const RegistryOptions& options, const std::string& process = "test")
+      : Participant([&](auto& listener, Log& kept) { return OpenRegistry(options, listener, kept); }, process) {}
 };
 
-class Registry : public testing::Test {
- protected:
-  ScratchFolder scratch;
-  RegistryOptions options{scratch.path() / "hgros", "robot"};
-  fs::path folder = options.folder / options.domain;
-};
+class Registry : public testing::Test, protected OwnDomain {};
 
 TEST_F(Registry, ReportsEveryOtherSessionButNotItself) {
-  Participant one(options, "one");
-  Participant two(options, "two");
+  Registered one(options, "one");
+  Registered two(options, "two");
   one.Announce();
   two.Announce();
   EXPECT_TRUE(one.listening.AwaitPeer(two.own));
   EXPECT_TRUE(two.listening.AwaitPeer(one.own));
-  Participant late(options, "late");
+  Registered late(options, "late");
   EXPECT_TRUE(late.listening.AwaitPeer(one.own));
   EXPECT_TRUE(late.listening.AwaitPeer(two.own));
   late.Announce();
   EXPECT_TRUE(one.listening.AwaitPeer(late.own));
   EXPECT_TRUE(two.listening.AwaitPeer(late.own));
-  for (const Participant* participant : {&one, &two, &late}) {
+  for (const Registered* participant : {&one, &two, &late}) {
     EXPECT_EQ(participant->listening.came(participant->own.session), 0);
-    EXPECT_EQ(participant->registry->List(), participant->listening.here());
+    EXPECT_EQ(participant->discovery->List(), participant->listening.here());
     EXPECT_EQ(participant->log.text(), "");
   }
 }
 
-TEST_F(Registry, ListsEarlierSessionsAtOnce) {
-  const Participant early(options);
-  early.Announce();
-  const Participant late(options);
-  EXPECT_EQ(late.registry->List(), std::vector{early.own});
-}
-
 TEST_F(Registry, ReportsEarlierSessionsBeforeItIsOpen) {
-  const Participant early(options);
+  const Registered early(options);
   early.Announce();
-  const Participant late(options);
+  const Registered late(options);
   EXPECT_TRUE(late.listening.Sees(early.own)) << "it was reported before OpenRegistry() returned";
+  EXPECT_EQ(late.discovery->List(), std::vector{early.own});
 }
 
 TEST_F(Registry, RemovesFoldersOfDeadSessions) {
@@ -96,19 +69,19 @@ TEST_F(Registry, RemovesFoldersOfDeadSessions) {
   leave("strange", "README");
   RegistryOptions elsewhere = options;
   elsewhere.domain = "alive";
-  const Participant living(elsewhere);
+  const Registered living(elsewhere);
   living.Announce();
   leave("alive", "0123456789abcdef");
-  const Participant newcomer(options);
+  const Registered newcomer(options);
   EXPECT_TRUE(Await([&] { return !fs::exists(options.folder / "dead"); }));
   EXPECT_TRUE(fs::exists(options.folder / "strange" / "README"));
   EXPECT_TRUE(fs::exists(options.folder / "strange" / "0123456789abcdef")) << "a file of unknown origin must stay";
   EXPECT_TRUE(fs::exists(options.folder / "alive" / living.own.session.ToString()));
 }
 
-TEST_F(Registry, ReportsChanges) {
-  const Participant observer(options);
-  Participant changing(options);
+TEST_F(Registry, ReportsChangesAndARestart) {
+  const Registered observer(options);
+  Registered changing(options);
   changing.Announce();
   ASSERT_TRUE(observer.listening.AwaitPeer(changing.own));
   for (int i = 0; i < 20; ++i) {
@@ -122,22 +95,15 @@ TEST_F(Registry, ReportsChanges) {
   changing.Announce();
   EXPECT_TRUE(observer.listening.AwaitPeer(changing.own));
   EXPECT_EQ(observer.listening.came(changing.own.session), 1);
-}
-
-TEST_F(Registry, ReportsARestartedSession) {
-  const Participant observer(options);
-  Participant reborn(options);
-  reborn.Announce();
-  ASSERT_TRUE(observer.listening.AwaitPeer(reborn.own));
-  reborn.own.incarnation = 2;
-  reborn.Announce();
-  EXPECT_TRUE(observer.listening.AwaitPeer(reborn.own));
-  EXPECT_EQ(observer.listening.came(reborn.own.session), 2);
+  changing.own.incarnation = 2;
+  changing.Announce();
+  EXPECT_TRUE(observer.listening.AwaitPeer(changing.own));
+  EXPECT_EQ(observer.listening.came(changing.own.session), 2);
 }
 
 TEST_F(Registry, ReportsGoodbyesAndTheLastSessionRemovesTheFolder) {
-  std::optional<Participant> observer(options);
-  std::optional<Participant> leaving(options);
+  std::optional<Registered> observer(options);
+  std::optional<Registered> leaving(options);
   leaving->Announce();
   const Announcement left = leaving->own;
   ASSERT_TRUE(observer->listening.AwaitPeer(left));
@@ -150,9 +116,9 @@ TEST_F(Registry, ReportsGoodbyesAndTheLastSessionRemovesTheFolder) {
 }
 
 TEST_F(Registry, FindsSessionsAfterTheEmptyFolderWasRemoved) {
-  Participant observer(options);
-  { const Participant brief(options); }
-  Participant next(options);
+  Registered observer(options);
+  { const Registered brief(options); }
+  Registered next(options);
   next.Announce();
   EXPECT_TRUE(observer.listening.AwaitPeer(next.own));
   observer.Announce();
@@ -161,35 +127,35 @@ TEST_F(Registry, FindsSessionsAfterTheEmptyFolderWasRemoved) {
 }
 
 TEST_F(Registry, KeepsDomainsApart) {
-  const Participant here(options);
+  const Registered here(options);
   here.Announce();
   options.domain = "other";
-  const Participant there(options);
+  const Registered there(options);
   there.Announce();
-  const Participant too(options);
+  const Registered too(options);
   too.Announce();
   EXPECT_TRUE(there.listening.AwaitPeer(too.own));
-  EXPECT_EQ(there.registry->List(), std::vector{too.own});
-  EXPECT_TRUE(here.registry->List().empty());
+  EXPECT_EQ(there.discovery->List(), std::vector{too.own});
+  EXPECT_TRUE(here.discovery->List().empty());
 }
 
 TEST_F(Registry, LetsItsListenerAnnounceAndList) {
-  Participant caller(options);
+  Registered caller(options);
   std::atomic<std::size_t> listed = 0;
   caller.listening.on_came = [&] {
     caller.Announce();
-    listed = caller.registry->List().size();
+    listed = caller.discovery->List().size();
   };
-  const Participant other(options);
+  const Registered other(options);
   other.Announce();
   EXPECT_TRUE(other.listening.AwaitPeer(caller.own));
   EXPECT_TRUE(Await([&] { return listed == 1U; }));
 }
 
 TEST_F(Registry, RefusesASessionIdThatIsAlreadyAnnounced) {
-  const Participant first(options);
+  const Registered first(options);
   first.Announce();
-  Participant second(options);
+  Registered second(options);
   second.own.session = first.own.session;
   EXPECT_THROW(second.Announce(), Error);
   second.own.session = SessionId::Random();
@@ -197,7 +163,7 @@ TEST_F(Registry, RefusesASessionIdThatIsAlreadyAnnounced) {
 }
 
 TEST_F(Registry, RefusesAnnouncementsThatCannotBeRead) {
-  Participant one(options);
+  Registered one(options);
   const Announcement good = one.own;
   one.own.session = {};
   EXPECT_THROW(one.Announce(), Error);
@@ -214,8 +180,8 @@ TEST_F(Registry, RefusesAnnouncementsThatCannotBeRead) {
 }
 
 TEST_F(Registry, RestoresARemovedFile) {
-  const Participant observer(options);
-  const Participant careless(options);
+  const Registered observer(options);
+  const Registered careless(options);
   careless.Announce();
   ASSERT_TRUE(observer.listening.AwaitPeer(careless.own));
   const fs::path file = folder / careless.own.session.ToString();
@@ -228,33 +194,32 @@ TEST_F(Registry, RestoresARemovedFile) {
 }
 
 TEST_F(Registry, RestoresARemovedFolder) {
-  std::vector<std::unique_ptr<Participant>> all;
-  for (int i = 0; i < 4; ++i) all.push_back(std::make_unique<Participant>(options));
-  for (const auto& one : all) one->Announce();
-  for (const auto& one : all) ASSERT_TRUE(one->listening.AwaitCount(3));
+  std::deque<Registered> all;
+  for (int i = 0; i < 4; ++i) all.emplace_back(options).Announce();
+  for (const auto& one : all) ASSERT_TRUE(one.listening.AwaitCount(3));
   for (int i = 0; i < 3; ++i) {
     std::error_code busy;  // Files may be restored before this has finished.
     fs::remove_all(options.folder, busy);
     for (const auto& one : all) {
-      EXPECT_TRUE(Await([&] { return fs::exists(folder / one->own.session.ToString()); }));
+      EXPECT_TRUE(Await([&] { return fs::exists(folder / one.own.session.ToString()); }));
     }
   }
-  const Participant late(options);
+  const Registered late(options);
   late.Announce();
-  EXPECT_EQ(late.registry->List().size(), 4U);
+  EXPECT_EQ(late.discovery->List().size(), 4U);
   for (const auto& one : all) {
-    EXPECT_TRUE(one->listening.AwaitCount(4));
-    EXPECT_EQ(one->log.Count({"written again"}), 1U) << one->log.text();
+    EXPECT_TRUE(one.listening.AwaitCount(4));
+    EXPECT_EQ(one.log.Count({"written again"}), 1U) << one.log.text();
   }
 }
 
 TEST_F(Registry, DropsASessionWhoseFileIsNotRestored) {
-  const Participant observer(options);
-  std::optional<Participant> lost(options);
+  const Registered observer(options);
+  std::optional<Registered> lost(options);
   lost->Announce();
   const Announcement own = lost->own;
   ASSERT_TRUE(observer.listening.AwaitPeer(own));
-  fs::rename(folder, scratch.path() / "moved");
+  fs::rename(folder, scratch / "moved");
   lost.reset();
   EXPECT_TRUE(observer.listening.AwaitCount(0));
   EXPECT_NE(observer.listening.gone(own.session), "");
@@ -266,13 +231,13 @@ TEST_F(Registry, RescansTheFolderAfterTheEventQueueOverflowed) {
   limit_file >> limit;
   if (limit <= 0 || limit > 200'000) GTEST_SKIP() << "the kernel keeps " << limit << " events";
   test::Door door;
-  Participant slow(options);
+  Registered slow(options);
   std::atomic<bool> blocked = false;
   slow.listening.on_came = [&] {
     blocked = true;
     door.Pass();
   };
-  std::optional<Participant> leaving(options);
+  std::optional<Registered> leaving(options);
   leaving->Announce();
   ASSERT_TRUE(Await([&] { return blocked.load(); }));
   std::ofstream(folder / "a") << "not a session";
@@ -281,25 +246,25 @@ TEST_F(Registry, RescansTheFolderAfterTheEventQueueOverflowed) {
     fs::rename(folder / "b", folder / "a");
   }
   leaving.reset();
-  const Participant coming(options);
+  const Registered coming(options);
   coming.Announce();
   door.Open();
-  EXPECT_TRUE(Await([&] { return slow.registry->List() == std::vector{coming.own}; }));
+  EXPECT_TRUE(Await([&] { return slow.discovery->List() == std::vector{coming.own}; }));
   EXPECT_TRUE(slow.listening.AwaitCount(1));
   fs::remove(folder / "a");
 }
 
 TEST_F(Registry, AgreesWithAModelUnderRandomChanges) {
   std::mt19937 random(test::Seed());
-  const Participant observer(options);
-  std::vector<std::unique_ptr<Participant>> all(8);
+  const Registered observer(options);
+  std::vector<std::unique_ptr<Registered>> all(8);
   for (int step = 0; step < 300; ++step) {
     auto& one = all[random() % all.size()];
     switch (random() % 4) {
       case 0: one.reset(); break;
-      case 1: one = std::make_unique<Participant>(options); break;
+      case 1: one = std::make_unique<Registered>(options); break;
       default:
-        if (one == nullptr) one = std::make_unique<Participant>(options);
+        if (one == nullptr) one = std::make_unique<Registered>(options);
         one->own.channels.resize(random() % 3, {"c", "T", Encoding::kPlain, random(), true, false, false});
         one->Announce();
     }
@@ -311,7 +276,7 @@ TEST_F(Registry, AgreesWithAModelUnderRandomChanges) {
   }
   for (const auto& one : all) {
     if (one == nullptr) continue;
-    EXPECT_TRUE(Await([&] { return one->registry->List().size() == observer.registry->List().size() - 1; }));
+    EXPECT_TRUE(Await([&] { return one->discovery->List().size() == observer.discovery->List().size() - 1; }));
   }
   all.clear();
   EXPECT_TRUE(observer.listening.AwaitCount(0));
@@ -320,12 +285,9 @@ TEST_F(Registry, AgreesWithAModelUnderRandomChanges) {
 }
 
 TEST_F(Registry, LetsFiftySessionsOfOneProcessSeeEachOther) {
-  std::vector<std::unique_ptr<Participant>> all;
-  for (int i = 0; i < 50; ++i) {
-    all.push_back(std::make_unique<Participant>(options));
-    all.back()->Announce();
-  }
-  for (const auto& one : all) EXPECT_TRUE(one->listening.AwaitCount(49));
+  std::deque<Registered> all;
+  for (int i = 0; i < 50; ++i) all.emplace_back(options).Announce();
+  for (const auto& one : all) EXPECT_TRUE(one.listening.AwaitCount(49));
 }
 
 }  // namespace
