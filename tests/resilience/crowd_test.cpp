@@ -6,15 +6,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <memory>
 #include <mutex>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "hgros/base/ids.hpp"
 #include "hgros/session/session.hpp"
+#include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
 
 namespace hgros::resilience {
@@ -25,12 +23,6 @@ using Workers = std::vector<std::unique_ptr<WorkerProcess>>;
 
 constexpr std::uint64_t kMostFiles = 30;  // Of one session, beyond those of its partners.
 
-std::string Written(const WorkerProcess& worker) {
-  std::ostringstream out;
-  out << worker;
-  return out.str();
-}
-
 bool CanMakeNamespaces() {
   const pid_t child = fork();
   if (child == 0) _exit(unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 ? 0 : 1);
@@ -40,11 +32,10 @@ bool CanMakeNamespaces() {
 
 class Crowd : public testing::Test {
  protected:
-  Crowd() { setenv("HGROS_DOMAIN", ("crowd-" + SessionId::Random().ToString()).c_str(), 1); }
-  ~Crowd() override { setenv("HGROS_DOMAIN", "none", 1); }
   static std::unique_ptr<WorkerProcess> Start(const std::vector<std::string>& arguments) {
     return std::make_unique<WorkerProcess>(arguments);
   }
+  const OwnDomain domain_;
 };
 
 TEST_F(Crowd, SessionsThatOnlyFollowDoNotPairAndWriteNothing) {
@@ -111,7 +102,7 @@ TEST_F(Crowd, DiscoveryWorksWithoutInotify) {
   for (const auto& one : followers) {
     EXPECT_TRUE(one->Reaches({{"known", kAll}, {"received", 3}, {"peers", 1}})) << *one;
     EXPECT_EQ((*one)["lines"], kSessions - 1) << "one line for each session without inotify; " << *one;
-    EXPECT_NE(Written(*one).find("fs.inotify.max_user_instances"), std::string::npos) << *one;
+    EXPECT_TRUE(one->Says("fs.inotify.max_user_instances")) << *one;
   }
   EXPECT_TRUE(last->Reaches({{"known", kAll}, {"peers", kAll - 1}, {"lines", 1}})) << *last;
   followers.pop_back();  // Killed: nobody says goodbye.
@@ -122,8 +113,8 @@ TEST_F(Crowd, DiscoveryWorksWithoutInotify) {
 TEST_F(Crowd, SessionsAppearWhenTheFullDiskHasRoom) {
   if (!CanMakeNamespaces()) GTEST_SKIP() << "no user and mount namespaces here";
   const auto worker = Start({"--sessions=2", "--publishers=1", "--disk=full"});
-  EXPECT_TRUE(Await([&] { return Written(*worker).find("do not find this one") != std::string::npos; })) << *worker;
-  EXPECT_NE(Written(*worker).find("No space left on device"), std::string::npos) << *worker;
+  EXPECT_TRUE(worker->ComesToSay("do not find this one")) << *worker;
+  EXPECT_TRUE(worker->Says("No space left on device")) << *worker;
   EXPECT_TRUE(worker->Reaches({{"known", 2}, {"peers", 1}, {"received", 3}})) << *worker;
 }
 
@@ -132,8 +123,7 @@ TEST_F(Crowd, ReportNamesAStoppedProcess) {
   ASSERT_TRUE(stopped->Reaches({{"received", 3}})) << *stopped;
   stopped->Stop();
   const auto follower = Start({"--sessions=1"});
-  EXPECT_TRUE(Await([&] { return Written(*follower).find("its process is stopped") != std::string::npos; }))
-      << *follower;
+  EXPECT_TRUE(follower->ComesToSay("its process is stopped")) << *follower;
   stopped->Continue();
   EXPECT_TRUE(follower->Reaches({{"received", 3}})) << *follower;
 }
@@ -173,8 +163,7 @@ TEST_F(Crowd, ReportNamesAnotherNetworkNamespace) {
   const auto apart = Start({"--sessions=1", "--publishers=1", "--network=apart"});
   const auto follower = Start({"--sessions=1"});
   for (const WorkerProcess* const one : {apart.get(), follower.get()}) {
-    EXPECT_TRUE(Await([&] { return Written(*one).find("is in another network namespace") != std::string::npos; }))
-        << *one;
+    EXPECT_TRUE(one->ComesToSay("is in another network namespace")) << *one;
   }
 }
 
@@ -182,11 +171,10 @@ TEST_F(Crowd, ReportNamesTheLimitOfOpenFilesAndNotTheUser) {
   const auto full = Start({"--sessions=1", "--publishers=1", "--files=1"});
   ASSERT_TRUE(full->Reaches({{"received", 7}})) << *full;
   const auto follower = Start({"--sessions=1"});
-  EXPECT_TRUE(Await([&] { return Written(*full).find("the limit of open files is reached") != std::string::npos; }))
-      << *full;
+  EXPECT_TRUE(full->ComesToSay("the limit of open files is reached")) << *full;
   test::Linger(std::chrono::seconds(3));  // Longer than sessions are left to shared memory.
   for (const WorkerProcess* const one : {full.get(), follower.get()}) {
-    EXPECT_EQ(Written(*one).find("one user"), std::string::npos) << *one;
+    EXPECT_FALSE(one->Says("one user")) << *one;
   }
 }
 

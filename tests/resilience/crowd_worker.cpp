@@ -14,21 +14,15 @@
 #include <dirent.h>
 #include <sched.h>
 #include <sys/mount.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <csignal>
 #include <cstdint>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,6 +31,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/hgros.hpp"
+#include "resilience/worker_program.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -45,14 +40,7 @@ using Message = foxglove::Log;
 
 constexpr const char* kDisk = "/mnt";
 
-std::mutex writing;
 std::atomic<std::uint64_t> lines{0};  // Of all sessions, at the default level.
-
-void Say(const std::string& line) {
-  const std::scoped_lock lock(writing);
-  (void)std::fprintf(stdout, "%s\n", line.c_str());
-  (void)std::fflush(stdout);
-}
 
 /// One session and what it has seen.
 class Member {
@@ -112,16 +100,13 @@ std::uint64_t OpenFiles() {
   return count - 3;  // ".", "..", and the folder itself.
 }
 
-int Run(std::map<std::string, std::string>& arguments, const sigset_t& end) {
-  const auto number = [&](const std::string& name) {
-    return arguments[name].empty() ? 0 : std::stoull(arguments[name]);
-  };
-  if (!arguments["inotify"].empty()) {
+int Run(const Arguments& arguments, const sigset_t& end) {
+  if (const std::string most = arguments.Text("inotify"); !most.empty()) {
     Enter(CLONE_NEWUSER);
-    WriteTo("/proc/sys/user/max_inotify_instances", arguments["inotify"]);
+    WriteTo("/proc/sys/user/max_inotify_instances", most);
   }
-  if (arguments["network"] == "apart") Enter(CLONE_NEWUSER | CLONE_NEWNET);
-  const bool full_disk = arguments["disk"] == "full";
+  if (arguments.Text("network") == "apart") Enter(CLONE_NEWUSER | CLONE_NEWNET);
+  const bool full_disk = arguments.Text("disk") == "full";
   if (full_disk) {
     Enter(CLONE_NEWUSER | CLONE_NEWNS);
     // An inode for the root, and for each of the two folders of the registry.
@@ -129,15 +114,15 @@ int Run(std::map<std::string, std::string>& arguments, const sigset_t& end) {
     setenv("XDG_RUNTIME_DIR", kDisk, 1);
   }
   std::vector<std::unique_ptr<Member>> members;
-  for (std::uint64_t i = 0; i < number("sessions"); ++i) {
-    members.push_back(std::make_unique<Member>(i < number("publishers")));
+  for (std::uint64_t i = 0; i < arguments.Number("sessions"); ++i) {
+    members.push_back(std::make_unique<Member>(i < arguments.Number("publishers")));
   }
-  const std::uint64_t every = std::max<std::uint64_t>(number("every"), 1);
+  const std::uint64_t every = arguments.Number("every", 1);
   const timespec period{0, 100'000'000};
   int signal = 0;
   for (std::uint64_t round = 0; signal <= 0; ++round) {
     for (const auto& member : members) member->Publish();
-    if (const std::uint64_t files = number("files"); files > 0 && round == 5) {
+    if (const std::uint64_t files = arguments.Number("files"); files > 0 && round == 5) {
       const rlimit limit{files, files};
       setrlimit(RLIMIT_NOFILE, &limit);
     }
@@ -147,7 +132,7 @@ int Run(std::map<std::string, std::string>& arguments, const sigset_t& end) {
     if (round % every == 0) {
       std::uint64_t known = ~0ULL, received = ~0ULL, peers = 0;
       for (const auto& member : members) {
-        known = std::min(known, member->Known(number("total")));
+        known = std::min(known, member->Known(arguments.Number("total")));
         peers = std::max(peers, member->Peers());
         received = std::min<std::uint64_t>(received, member->received);
       }
@@ -168,22 +153,4 @@ int Run(std::map<std::string, std::string>& arguments, const sigset_t& end) {
 }  // namespace
 }  // namespace hgros::resilience
 
-int main(int count, char** texts) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  sigset_t end;
-  sigemptyset(&end);
-  sigaddset(&end, SIGTERM);
-  sigprocmask(SIG_BLOCK, &end, nullptr);
-  std::map<std::string, std::string> arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view text = texts[i];
-    const std::size_t equals = text.find('=');
-    arguments.emplace(text.substr(2, equals - 2), text.substr(equals + 1));
-  }
-  try {
-    return hgros::resilience::Run(arguments, end);
-  } catch (const std::exception& error) {
-    hgros::resilience::Say(std::string("log ") + error.what());
-    return 1;
-  }
-}
+int main(int count, char** texts) { return hgros::resilience::RunWorker(count, texts, hgros::resilience::Run); }

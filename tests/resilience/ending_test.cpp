@@ -7,11 +7,9 @@
 
 #include <atomic>
 #include <csignal>
-#include <fstream>
+#include <list>
 #include <memory>
 #include <mutex>
-#include <ostream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -43,23 +41,19 @@ struct Ending {
   std::string kind;
 };
 
-std::ostream& operator<<(std::ostream& out, const Ending& ending) {
-  return out << ending.owner << ' ' << ending.end << ' ' << ending.kind;
-}
-
 /// A running ending_worker. Killed when this object ends.
 class Worker {
  public:
   explicit Worker(const Ending& ending) {
     std::vector<std::string> command = {test::Path("ending_worker"), "--session=" + ending.owner, "--end=" + ending.end,
-                                        "--in=" + ending.kind, "--bus=" + folder.path()};
+                                        "--in=" + ending.kind, "--bus=" + folder.path().string()};
     std::vector<char*> arguments;
     for (std::string& argument : command) arguments.push_back(argument.data());
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, Place("out").c_str(), O_WRONLY | O_CREAT, 0600);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, Place("log").c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, (folder / "out").c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, (folder / "log").c_str(), O_WRONLY | O_CREAT, 0600);
     if (posix_spawn(&pid_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) pid_ = -1;
     posix_spawn_file_actions_destroy(&actions);
   }
@@ -78,111 +72,81 @@ class Worker {
     pid_ = -1;
     return WIFEXITED(status) ? std::to_string(WEXITSTATUS(status)) : "signal " + std::to_string(WTERMSIG(status));
   }
-  [[nodiscard]] std::string Output() const { return Text("out"); }
-  [[nodiscard]] std::string Errors() const { return Text("log"); }
+  [[nodiscard]] std::string Output() const { return folder.Read("out"); }
+  [[nodiscard]] std::string Errors() const { return folder.Read("log"); }
 
   const ScratchFolder folder;
 
  private:
-  [[nodiscard]] std::string Place(const std::string& name) const { return folder.path() + "/" + name; }
-  [[nodiscard]] std::string Text(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(Place(name)).rdbuf();
-    return text.str();
-  }
-
   pid_t pid_ = -1;
 };
 
-class EndingInACallback : public testing::TestWithParam<Ending> {};
-
-TEST_P(EndingInACallback, KeepsTheExitStatus) {
-  const Ending& ending = GetParam();
-  std::vector<std::unique_ptr<Worker>> workers;
-  for (int round = 0; round < Rounds(); ++round) workers.push_back(std::make_unique<Worker>(ending));
-  for (const auto& worker : workers) {
-    ASSERT_EQ(worker->Result(), std::to_string(kStatus)) << worker->Errors();
-    EXPECT_EQ(worker->Output(), "ending\nstatic object ended\n");
-    const std::string errors = worker->Errors();
-    const std::string said = "was destroyed inside the callback of its node \"fatal\" on channel";
-    EXPECT_EQ(errors.find(said) != std::string::npos, ending.end == "destroy") << errors;
-    EXPECT_EQ(errors.find("Shutting down waits"), std::string::npos) << errors;
-  }
-}
-
-std::vector<Ending> Endings() {
-  const std::vector<std::string> kinds = {"tbb",     "inline",     "dedicated", "timer",      "inline-timer",
-                                          "service", "peer-event", "remote",    "remote-tbb", "locked"};
-  std::vector<Ending> endings;
-  for (const std::string& kind : kinds) {
-    endings.push_back({"static", "exit", kind});
-    endings.push_back({"main", "exit", kind});
-    endings.push_back({"main", "destroy", kind});
+TEST(EndingInACallback, KeepsTheExitStatus) {
+  std::vector<Ending> endings = {{"main", "exit", "wiring"}};
+  for (const std::string kind : {"tbb", "inline", "dedicated", "timer", "inline-timer", "service", "peer-event",
+                                 "remote", "remote-tbb", "locked"}) {
+    endings.insert(endings.end(), {{"static", "exit", kind}, {"main", "exit", kind}, {"main", "destroy", kind}});
   }
   for (const std::string kind : {"tbb", "inline"}) {
-    endings.push_back({"default", "exit", kind});
-    endings.push_back({"default", "destroy", kind});
+    endings.insert(endings.end(), {{"default", "exit", kind}, {"default", "destroy", kind}});
   }
-  endings.push_back({"main", "exit", "wiring"});
-  return endings;
+  for (const Ending& ending : endings) {
+    SCOPED_TRACE(ending.owner + " " + ending.end + " " + ending.kind);
+    std::list<Worker> workers;
+    for (int round = 0; round < Rounds(); ++round) workers.emplace_back(ending);
+    for (Worker& worker : workers) {
+      ASSERT_EQ(worker.Result(), std::to_string(kStatus)) << worker.Errors();
+      EXPECT_EQ(worker.Output(), "ending\nstatic object ended\n");
+      const std::string errors = worker.Errors();
+      const std::string said = "was destroyed inside the callback of its node \"fatal\" on channel";
+      EXPECT_EQ(errors.find(said) != std::string::npos, ending.end == "destroy") << errors;
+      EXPECT_EQ(errors.find("Shutting down waits"), std::string::npos) << errors;
+    }
+  }
 }
 
-INSTANTIATE_TEST_SUITE_P(Ending, EndingInACallback, testing::ValuesIn(Endings()), [](const auto& one) {
-  std::string name = one.param.owner + "_" + one.param.end + "_" + one.param.kind;
-  std::ranges::replace(name, '-', '_');
-  return name;
-});
-
-class EndingItsThread : public testing::TestWithParam<Ending> {};
-
-TEST_P(EndingItsThread, IsLoggedWithTheCallback) {
-  Worker worker(GetParam());
-  EXPECT_EQ(worker.Result(), "signal " + std::to_string(SIGABRT)) << worker.Errors();
-  const std::string errors = worker.Errors();
-  EXPECT_NE(errors.find("called pthread_exit()"), std::string::npos) << errors;
-  EXPECT_EQ(errors.find("the node continues"), std::string::npos) << errors;
-  EXPECT_NE(errors.find("fatal\" on channel"), std::string::npos) << errors;
+TEST(EndingItsThread, IsLoggedWithTheCallback) {
+  for (const std::string kind : {"tbb", "inline", "dedicated", "timer", "service"}) {
+    SCOPED_TRACE(kind);
+    Worker worker({"main", "thread", kind});
+    EXPECT_EQ(worker.Result(), "signal " + std::to_string(SIGABRT)) << worker.Errors();
+    const std::string errors = worker.Errors();
+    EXPECT_NE(errors.find("called pthread_exit()"), std::string::npos) << errors;
+    EXPECT_EQ(errors.find("the node continues"), std::string::npos) << errors;
+    EXPECT_NE(errors.find("fatal\" on channel"), std::string::npos) << errors;
+  }
 }
 
-INSTANTIATE_TEST_SUITE_P(Ending, EndingItsThread,
-                         testing::Values(Ending{"main", "thread", "tbb"}, Ending{"main", "thread", "inline"},
-                                         Ending{"main", "thread", "dedicated"}, Ending{"main", "thread", "timer"},
-                                         Ending{"main", "thread", "service"}),
-                         [](const auto& one) { return one.param.kind; });
-
-class PeerOfAnEndingSession : public testing::TestWithParam<Ending> {};
-
-TEST_P(PeerOfAnEndingSession, HearsAGoodbye) {
-  Worker worker(GetParam());
-  std::mutex mutex;
-  std::vector<std::string> reasons;
-  Session peer(Config::Parse("network: {publisher: {ip: \"" + worker.folder.Endpoint("other") +
-                             "\"}, subscribers: [{ip: \"" + worker.folder.Endpoint("subject") + "\"}]}"),
-               {"peer", [](LogLevel, std::string_view) {}});
-  const auto events = peer.FromGraph<PeerEvent>(kPeerEventsChannel, Invoke::kSerial, [&](const PeerEvent& event) {
+TEST(PeerOfAnEndingSession, HearsAGoodbye) {
+  const Ending endings[] = {{"static", "exit", "outside"}, {"main", "exit", "outside"}, {"main", "destroy", "outside"}};
+  for (const Ending& ending : endings) {
+    SCOPED_TRACE(ending.owner + " " + ending.end);
+    Worker worker(ending);
+    std::mutex mutex;
+    std::vector<std::string> reasons;
+    Session peer(Config::Parse("network: {publisher: {ip: \"" + worker.folder.Ipc("other") +
+                               "\"}, subscribers: [{ip: \"" + worker.folder.Ipc("subject") + "\"}]}"),
+                 {"peer", [](LogLevel, std::string_view) {}});
+    const auto events = peer.FromGraph<PeerEvent>(kPeerEventsChannel, Invoke::kSerial, [&](const PeerEvent& event) {
+      const std::scoped_lock lock(mutex);
+      if (event.kind == PeerEvent::Kind::kGone) reasons.push_back(event.reason);
+    });
+    // They are connected in both directions: a session says goodbye to those that it knows.
+    std::atomic<bool> hears{false};
+    const auto busy = peer.FromAny<Log>("busy", Invoke::kSerial, [&hears](const Log&) { hears = true; });
+    const auto fatal = peer.Advertise<Log>("fatal");
+    ASSERT_TRUE(peer.WaitForSubscribers("fatal", 1, kPatience)) << worker.Errors();
+    ASSERT_TRUE(Await([&] { return hears.load(); })) << worker.Errors();
+    (void)fatal(std::make_unique<Log>());
+    EXPECT_EQ(worker.Result(), std::to_string(kStatus)) << worker.Errors();
+    EXPECT_TRUE(Await([&] {
+      const std::scoped_lock lock(mutex);
+      return !reasons.empty();
+    }));
     const std::scoped_lock lock(mutex);
-    if (event.kind == PeerEvent::Kind::kGone) reasons.push_back(event.reason);
-  });
-  // They are connected in both directions: a session says goodbye to those that it knows.
-  std::atomic<bool> hears{false};
-  const auto busy = peer.FromAny<Log>("busy", Invoke::kSerial, [&hears](const Log&) { hears = true; });
-  const auto fatal = peer.Advertise<Log>("fatal");
-  ASSERT_TRUE(peer.WaitForSubscribers("fatal", 1, kPatience)) << worker.Errors();
-  ASSERT_TRUE(Await([&] { return hears.load(); })) << worker.Errors();
-  (void)fatal(std::make_unique<Log>());
-  EXPECT_EQ(worker.Result(), std::to_string(kStatus)) << worker.Errors();
-  EXPECT_TRUE(Await([&] {
-    const std::scoped_lock lock(mutex);
-    return !reasons.empty();
-  }));
-  const std::scoped_lock lock(mutex);
-  EXPECT_EQ(reasons, std::vector<std::string>{"it said goodbye"});
+    EXPECT_EQ(reasons, std::vector<std::string>{"it said goodbye"});
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(Ending, PeerOfAnEndingSession,
-                         testing::Values(Ending{"static", "exit", "outside"}, Ending{"main", "exit", "outside"},
-                                         Ending{"main", "destroy", "outside"}),
-                         [](const auto& one) { return one.param.owner + "_" + one.param.end; });
 
 }  // namespace
 }  // namespace hgros::resilience

@@ -14,10 +14,7 @@
 #include <sys/prctl.h>
 
 #include <atomic>
-#include <csignal>
-#include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -28,6 +25,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/hgros.hpp"
+#include "resilience/worker_program.hpp"
 #include "support/await.hpp"
 
 namespace hgros::resilience {
@@ -44,8 +42,7 @@ std::atomic<bool> exits{false};
 
 struct StaticObject {
   ~StaticObject() {
-    (void)std::printf("static object ended\n");
-    (void)std::fflush(stdout);
+    Say("static object ended");
     exits = true;
     if (wires) test::Linger(std::chrono::milliseconds(100));
   }
@@ -57,8 +54,11 @@ std::mutex held;
 
 class Program {
  public:
-  Program(std::string owner, std::string end, std::string kind, std::string bus)
-      : owner_(std::move(owner)), end_(std::move(end)), kind_(std::move(kind)), bus_(std::move(bus)) {}
+  explicit Program(const Arguments& arguments)
+      : owner_(arguments.Text("session")),
+        end_(arguments.Text("end")),
+        kind_(arguments.Text("in")),
+        bus_(arguments.Text("bus")) {}
 
   int Run() {
     Start();
@@ -98,7 +98,7 @@ class Program {
 
   void End() {
     const std::unique_lock lock = kind_ == "locked" ? std::unique_lock(held) : std::unique_lock<std::mutex>();
-    (void)std::printf("ending\n");
+    Say("ending");
     if (end_ == "exit") std::exit(kStatus);
     if (end_ == "thread") pthread_exit(nullptr);
     if (owner_ == "default") {
@@ -180,10 +180,5 @@ class Program {
 
 int main(int count, char** texts) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  std::vector<std::string> values;
-  for (int i = 1; i < count; ++i) {
-    const std::string text = texts[i];
-    values.push_back(text.substr(text.find('=') + 1));
-  }
-  return hgros::resilience::Program(values.at(0), values.at(1), values.at(2), values.at(3)).Run();
+  return hgros::resilience::Program({count, texts}).Run();
 }

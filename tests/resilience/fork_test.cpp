@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -72,7 +71,7 @@ class Fork : public testing::Test {
   }
 
   const ScratchFolder folder;
-  const std::string bus = folder.Endpoint("bus");
+  const std::string bus = folder.Ipc("bus");
   std::atomic<int> received{0};
   std::optional<Session> listener;
   Subscription subscription;
@@ -80,14 +79,19 @@ class Fork : public testing::Test {
   Publisher<Log> publish;
 };
 
-TEST_F(Fork, AChildThatExitsAtOnceDoesNotDisturbTheSessions) {
-  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(InChild([] { return 0; }), 0);
-  ExpectUndisturbed();
-}
+// Ends its process with another status if a child destroys it.
+struct OfThisProcess {
+  const pid_t owner = getpid();
+  ~OfThisProcess() {
+    if (getpid() != owner) _exit(99);
+  }
+};
 
-TEST_F(Fork, AChildThatPublishesIsRefused) {
+TEST_F(Fork, ChildrenDoNotDisturbTheSessions) {
   ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(InChild([] { return 0; }), 0) << "it exits at once";
+  ExpectUndisturbed();
+
   EXPECT_EQ(InChild([this] {
               for (int i = 0; i < 100; ++i) {
                 if (publish(std::make_unique<Log>()) != PublishStatus::kClosed) return 1;
@@ -95,7 +99,41 @@ TEST_F(Fork, AChildThatPublishesIsRefused) {
               }
               return 0;
             }),
-            0);
+            0)
+      << "it publishes, and is refused";
+  ExpectUndisturbed();
+
+  EXPECT_EQ(InChild([this] {
+              subscription.Reset();
+              talker.reset();
+              listener.reset();
+              return 0;
+            }),
+            0)
+      << "it destroys the sessions";
+  ExpectUndisturbed();
+
+  EXPECT_EQ(InChild([this] {
+              std::atomic<int> heard{0};
+              Session own(Parse(Subscribing(bus)), Quiet());
+              const auto mine = own.FromAny<Log>("log", Invoke::kSerial, [&](const Log&) { ++heard; });
+              return own.WaitForPublishers("log", 1, kPatience) ? 0 : 1;
+            }),
+            0)
+      << "it makes a session of its own";
+  ExpectUndisturbed();
+
+  const auto idle = talker->FromGraph<Log>(
+      "idle", Invoke::kSerial, [held = std::make_shared<OfThisProcess>()](const Log&) { EXPECT_TRUE(held); });
+  for (const Executor& executor : {Executor::Tbb(), Executor::Inline(), Executor::Dedicated()}) {
+    constexpr int kRuns = -2;
+    std::atomic<int> status{kRuns};
+    const auto forks = talker->FromGraph<Log>(
+        "forks", Invoke::kSerial, [&](const Log&) { status = InChild([] { return 5; }); }, {{}, {}, executor});
+    ASSERT_EQ(talker->ToGraph("forks", std::make_unique<Log>()), PublishStatus::kOk);
+    ASSERT_TRUE(Await([&] { return status != kRuns; }));
+    EXPECT_EQ(status, 5) << "a callback forks it";
+  }
   ExpectUndisturbed();
 }
 
@@ -114,54 +152,24 @@ TEST_F(Fork, AChildOfABusyProcessEnds) {
   EXPECT_TRUE(Await([&] { return received == published; })) << received << " of " << published;
 }
 
-TEST_F(Fork, AChildThatDestroysTheSessionsEnds) {
-  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
-  EXPECT_EQ(InChild([this] {
-              subscription.Reset();
-              talker.reset();
-              listener.reset();
-              return 0;
-            }),
-            0);
-  ExpectUndisturbed();
-}
-
-TEST_F(Fork, AChildMayMakeASessionOfItsOwn) {
-  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
-  EXPECT_EQ(InChild([this] {
-              std::atomic<int> heard{0};
-              Session own(Parse(Subscribing(bus)), Quiet());
-              const auto mine = own.FromAny<Log>("log", Invoke::kSerial, [&](const Log&) { ++heard; });
-              return own.WaitForPublishers("log", 1, kPatience) ? 0 : 1;
-            }),
-            0);
-  ExpectUndisturbed();
-}
-
-TEST_F(Fork, AChildThatDestroysABusyServiceAndItsCallsEnds) {
+TEST_F(Fork, AChildThatDestroysObjectsWithThreadsSomeOfThemBusyEnds) {
+  ParamServer server;
+  ParamServer watched(ParamSources{{folder.Write("params.yaml", "speed: 1\n")}, {}});
+  std::optional<ParamFileWatch> watch(std::in_place, watched, [](const ParamResult&) {});
+  std::optional<ParamService> params(std::in_place, *talker, server);
+  std::optional<Transforms> transforms(std::in_place, *talker);
+  std::optional<ClockPublisher> clock(std::in_place, *talker, std::make_shared<SimulatedClock>());
+  std::optional<SystemClock> system(std::in_place);
+  const Listening jumps = system->OnJump([](const ClockJump&) {});
   test::Door door;
-  std::atomic<bool> handles{false};
+  std::atomic<int> inside{0};
   std::optional<Service> service(talker->Serve<Log, Log>("busy", [&](const Log& log) {
-    handles = true;
+    ++inside;
     door.Pass();
     return log;
   }));
   std::optional<CallFuture<Log>> call(talker->Call<Log, Log>("busy", Log(), kPatience));
-  ASSERT_TRUE(Await([&] { return handles.load(); }));
-  EXPECT_EQ(InChild([&] {
-              call.reset();
-              service.reset();
-              talker.reset();
-              return 0;
-            }),
-            0);
-  door.Open();
-  EXPECT_TRUE(call->Wait());
-}
-
-TEST_F(Fork, AChildThatDestroysBusyTimersEnds) {
-  test::Door door;
-  std::atomic<int> inside{0};
+  ASSERT_TRUE(Await([&] { return inside == 1; }));
   const auto stay = [&](const Tick&) {
     ++inside;
     door.Pass();
@@ -170,8 +178,15 @@ TEST_F(Fork, AChildThatDestroysBusyTimersEnds) {
       talker->CreateTimer("busy", std::chrono::milliseconds(1), stay, {.executor = Executor::Inline()}));
   std::optional<TimerQueue> queue(std::in_place, std::make_shared<SteadyClock>());
   std::optional<Timer> timer(queue->Every(std::chrono::milliseconds(1), stay));
-  ASSERT_TRUE(Await([&] { return inside == 2; }));
+  ASSERT_TRUE(Await([&] { return inside == 3; }));
   EXPECT_EQ(InChild([&] {
+              watch.reset();
+              params.reset();
+              transforms.reset();
+              clock.reset();
+              system.reset();
+              call.reset();
+              service.reset();
               node.reset();
               timer.reset();
               queue.reset();
@@ -180,57 +195,12 @@ TEST_F(Fork, AChildThatDestroysBusyTimersEnds) {
             }),
             0);
   door.Open();
-}
-
-TEST_F(Fork, AChildThatDestroysObjectsWithThreadsEnds) {
-  ParamServer server;
-  const std::string file = folder.path() + "/params.yaml";
-  std::ofstream(file) << "speed: 1\n";
-  ParamServer watched(ParamSources{{file}, {}});
-  std::optional<ParamFileWatch> watch(std::in_place, watched, [](const ParamResult&) {});
-  std::optional<ParamService> params(std::in_place, *talker, server);
-  std::optional<Transforms> transforms(std::in_place, *talker);
-  std::optional<ClockPublisher> clock(std::in_place, *talker, std::make_shared<SimulatedClock>());
-  std::optional<SystemClock> system(std::in_place);
-  const Listening jumps = system->OnJump([](const ClockJump&) {});
-  EXPECT_EQ(InChild([&] {
-              watch.reset();
-              params.reset();
-              transforms.reset();
-              clock.reset();
-              system.reset();
-              return 0;
-            }),
-            0);
-}
-
-// Ends its process with another status if a child destroys it.
-struct OfThisProcess {
-  const pid_t owner = getpid();
-  ~OfThisProcess() {
-    if (getpid() != owner) _exit(99);
-  }
-};
-
-TEST_F(Fork, AChildThatACallbackForksKeepsItsExitStatus) {
-  ASSERT_TRUE(talker->WaitForSubscribers("log", 1, kPatience));
-  const auto idle = talker->FromGraph<Log>(
-      "idle", Invoke::kSerial, [held = std::make_shared<OfThisProcess>()](const Log&) { EXPECT_TRUE(held); });
-  for (const Executor& executor : {Executor::Tbb(), Executor::Inline(), Executor::Dedicated()}) {
-    constexpr int kRuns = -2;
-    std::atomic<int> status{kRuns};
-    const auto forks = talker->FromGraph<Log>(
-        "forks", Invoke::kSerial, [&](const Log&) { status = InChild([] { return 5; }); }, {{}, {}, executor});
-    ASSERT_EQ(talker->ToGraph("forks", std::make_unique<Log>()), PublishStatus::kOk);
-    ASSERT_TRUE(Await([&] { return status != kRuns; }));
-    EXPECT_EQ(status, 5);
-  }
-  ExpectUndisturbed();
+  EXPECT_TRUE(call->Wait());
 }
 
 TEST(ForkOfADefaultSession, AChildThatExitsEnds) {
   const ScratchFolder folder;
-  Init(Parse(Both(folder.Endpoint("a"), folder.Endpoint("b"))), Quiet());
+  Init(Parse(Both(folder.Ipc("a"), folder.Ipc("b"))), Quiet());
   FromAny<Log>("log", Invoke::kSerial, [](const Log&) {}, {{}, {}, Executor::Dedicated()});
   FromAny<Log>("log", Invoke::kSerial, [](const Log&) {});
   EXPECT_EQ(ToAny("log", Log()), PublishStatus::kOk);

@@ -4,9 +4,7 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstring>
 #include <deque>
-#include <iostream>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -16,6 +14,7 @@
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/seed.hpp"
+#include "transport/zmq_places.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -38,35 +37,12 @@ class Noise {
   std::mt19937 random_;
 };
 
-class RawSocket {
+/// A ZeroMQ socket, without this library.
+class Stranger : public test::RawSocket {
  public:
-  explicit RawSocket(int type) : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
-    const int none = 0;
-    zmq_setsockopt(socket_, ZMQ_LINGER, &none, sizeof none);
-    zmq_setsockopt(socket_, ZMQ_SNDHWM, &none, sizeof none);
-  }
-  RawSocket(const RawSocket&) = delete;
-  RawSocket& operator=(const RawSocket&) = delete;
-  ~RawSocket() {
-    zmq_close(socket_);
-    zmq_ctx_term(context_);
-  }
-  [[nodiscard]] bool Bind(const std::string& endpoint) { return zmq_bind(socket_, endpoint.c_str()) == 0; }
-  void Connect(const std::string& endpoint) { ASSERT_EQ(zmq_connect(socket_, endpoint.c_str()), 0); }
-  void Send(const std::string& bytes, bool more = false) {
-    (void)zmq_send(socket_, bytes.data(), bytes.size(), ZMQ_DONTWAIT | (more ? ZMQ_SNDMORE : 0));
-  }
-  /// The frame that has arrived; empty if there is none.
-  std::string Receive() {
-    std::string bytes(4096, '\0');
-    const int size = zmq_recv(socket_, bytes.data(), bytes.size(), ZMQ_DONTWAIT);
-    bytes.resize(size < 0 ? 0 : std::min(static_cast<std::size_t>(size), bytes.size()));
-    return bytes;
-  }
-
- private:
-  void* context_;
-  void* socket_;
+  using RawSocket::RawSocket;
+  [[nodiscard]] bool Bind(const std::string& endpoint) { return zmq_bind(get(), endpoint.c_str()) == 0; }
+  void Connect(const std::string& endpoint) { ASSERT_EQ(zmq_connect(get(), endpoint.c_str()), 0); }
 };
 
 /// A TCP connection to the loopback; -1 if refused.
@@ -140,21 +116,21 @@ TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
   ASSERT_TRUE(subscriber.Gains("received", 50)) << publisher << subscriber;
 
   {
-    RawSocket pub(ZMQ_PUB);  // A socket of the wrong kind.
+    Stranger pub(ZMQ_PUB);  // A socket of the wrong kind.
     pub.Connect(TcpEndpoint(port));
     // Sockets of the right kind that send nonsense. Each bad filter ends a connection, so it takes some.
-    std::deque<RawSocket> strangers;
+    std::deque<Stranger> strangers;
     for (int i = 0; i < 8; ++i) strangers.emplace_back(ZMQ_XSUB).Connect(TcpEndpoint(port));
     ASSERT_TRUE(Await([&] {
-      pub.Send(noise(300));
+      pub.Send({noise(300)});
       for (int i = 0; i < 20; ++i) {
-        RawSocket& stranger = strangers[noise.Number(strangers.size() - 1)];
+        const Stranger& stranger = strangers[noise.Number(strangers.size() - 1)];
         const std::string bytes = noise(300);
         switch (noise.Number(3)) {
-          case 0: stranger.Send(bytes); break;
-          case 1: stranger.Send(std::string("\1", 1) + bytes); break;
-          case 2: stranger.Send("\2" + bytes); break;
-          default: stranger.Send("\2" + bytes, true); stranger.Send(noise(300));
+          case 0: stranger.Send({bytes}); break;
+          case 1: stranger.Send({"\1" + bytes}); break;
+          case 2: stranger.Send({"\2" + bytes}); break;
+          default: stranger.Send({"\2" + bytes, noise(300)});
         }
       }
       return publisher["faults"] > 300;
@@ -220,18 +196,20 @@ TEST(Garbage, FromAPublisherIsCountedAndDoesNotDisturbALaterPublisher) {
   EXPECT_TRUE(subscriber.alive()) << subscriber;
 
   {
-    RawSocket pub(ZMQ_XPUB);
+    Stranger pub(ZMQ_XPUB);
     ASSERT_TRUE(Await([&] { return pub.Bind(TcpEndpoint(port)); }));
     std::vector<std::string> topics;
     ASSERT_TRUE(Await([&] {
-      const std::string asked = pub.Receive();
-      if (asked.size() > 1 && asked[0] == '\1') topics.push_back(asked.substr(1));
+      for (const std::string& asked : pub.Receive(0)) {
+        if (asked.size() > 1 && asked[0] == '\1') topics.push_back(asked.substr(1));
+      }
       // Topics that it has subscribed to pass ZeroMQ's filter; noise follows them.
       for (int i = 0; i < 20 && !topics.empty(); ++i) {
         const std::string& topic = topics[noise.Number(topics.size() - 1)];
-        const std::size_t frames = noise.Number(4);
-        pub.Send(topic + (i % 2 == 0 ? std::string() : noise(16)), frames > 0);
-        for (std::size_t frame = 1; frame <= frames; ++frame) pub.Send(noise(500), frame < frames);
+        std::vector<std::string> frames(1 + noise.Number(4));
+        for (std::string& frame : frames) frame = noise(500);
+        frames.front() = topic + (i % 2 == 0 ? std::string() : noise(16));
+        pub.Send(frames);
       }
       return topics.size() > 1 && subscriber["faults"] > 300;
     })) << subscriber

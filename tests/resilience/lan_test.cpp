@@ -21,6 +21,7 @@
 #include "hgros/base/ids.hpp"
 #include "hgros/discovery/beacon.hpp"
 #include "hgros/transport/zmq_transport.hpp"
+#include "resilience/shm_numbers.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/cable.hpp"
 #include "support/few_descriptors.hpp"
@@ -72,12 +73,6 @@ class Switch {
   const std::string bridge_ = "hgrs" + std::to_string(getpid());
 };
 
-struct Unheard final : TransportListener {
-  void OnPeerCame(const PeerInfo&) noexcept override {}
-  void OnPeerGone(const PeerInfo&, std::string_view) noexcept override {}
-  void OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept override {}
-};
-
 /// A thread that calls a function again and again, until its end.
 class Repeating {
  public:
@@ -108,6 +103,19 @@ class Lan : public testing::Test {
   }
   void StartSubscriber() { subscriber.emplace(With({"--in=images", "--keep-all=64"}), network->right); }
   void StartPublisher() { publisher.emplace(With({"--out=images", "--await=1"}), network->left); }
+  /// The stranger announces invented sessions at these endpoints, again and again.
+  Repeating Inventing(const std::vector<std::string>& endpoints) {
+    std::vector<std::string> datagrams;
+    for (const std::string& endpoint : endpoints) {
+      Announcement invented;
+      invented.session = SessionId::Random();
+      invented.endpoints = {endpoint};
+      datagrams.push_back(discovery::EncodeDatagram(invented, domain, false));
+    }
+    return {std::chrono::milliseconds(10), [this, datagrams, next = std::size_t{0}]() mutable {
+              for (int i = 0; i < 10; ++i) (void)stranger->Send(datagrams[next++ % datagrams.size()]);
+            }};
+  }
   void ExpectNothingLost() const {
     EXPECT_TRUE(subscriber->Gains("received", 100)) << *subscriber << *publisher;
     EXPECT_EQ((*subscriber)["gaps"] + (*subscriber)["disorder"] + (*subscriber)["corrupt"], 0U) << *subscriber;
@@ -194,20 +202,13 @@ TEST_F(Lan, InventedSessionsTakeFewDescriptorsAndDoNotHideARealOne) {
   Linger(std::chrono::milliseconds(200));
   const std::size_t files = subscriber->open_files();
   const std::size_t lines = subscriber->log_lines();
-  std::vector<std::string> datagrams;
+  std::vector<std::string> endpoints;
   for (int i = 0; i < 1000; ++i) {
-    Announcement invented;
-    invented.session = SessionId::Random();
     // Half of them name ports of the stranger's host, which refuses connections; half of them hosts that do not exist.
-    invented.endpoints = {i % 2 == 0
-                              ? "tcp://*:" + std::to_string(20000 + i)
-                              : "tcp://10.195.0." + std::to_string(3 + i % 250) + ":" + std::to_string(1000 + i)};
-    datagrams.push_back(discovery::EncodeDatagram(invented, domain, false));
+    endpoints.push_back(i % 2 == 0 ? "tcp://*:" + std::to_string(20000 + i)
+                                   : "tcp://10.195.0." + std::to_string(3 + i % 250) + ":" + std::to_string(1000 + i));
   }
-  std::size_t next = 0;
-  const Repeating inventing(std::chrono::milliseconds(10), [&] {
-    for (int i = 0; i < 10; ++i) (void)stranger->Send(datagrams[next++ % datagrams.size()]);
-  });
+  const Repeating inventing = Inventing(endpoints);
   std::size_t most = 0;
   (void)Await(
       [&] {
@@ -231,23 +232,15 @@ TEST_F(Lan, InventedSessionsThatAnswerKeepOutNoOtherHost) {
   // 40 endpoints that answer, at another address than the publisher's.
   ASSERT_TRUE(Ip("-n " + network->left + " addr add 10.195.0.3/24 dev eth0"));
   hgros::Log log{[](LogLevel, std::string_view) {}};
-  Unheard listener;
+  QuietListener listener;
   std::unique_ptr<ZmqTransport> answering;
   ZmqOptions options;
-  for (int i = 0; i < 40; ++i) options.publish.push_back({"tcp://10.195.0.3:" + std::to_string(21000 + i), {}});
+  std::vector<std::string> endpoints;
+  for (int i = 0; i < 40; ++i) endpoints.push_back("tcp://10.195.0.3:" + std::to_string(21000 + i));
+  for (const std::string& endpoint : endpoints) options.publish.push_back({endpoint, {}});
   test::On(network->left, [&] { answering = MakeZmqTransport(options, listener, log); });
-  std::vector<std::string> datagrams;
-  for (const PublishEndpoint& endpoint : options.publish) {
-    Announcement invented;
-    invented.session = SessionId::Random();
-    invented.endpoints = {endpoint.endpoint};
-    datagrams.push_back(discovery::EncodeDatagram(invented, domain, false));
-  }
   const std::size_t files = subscriber->open_files();
-  std::size_t next = 0;
-  const Repeating inventing(std::chrono::milliseconds(10), [&] {
-    for (int i = 0; i < 10; ++i) (void)stranger->Send(datagrams[next++ % datagrams.size()]);
-  });
+  const Repeating inventing = Inventing(endpoints);
   constexpr std::size_t kShare = 160 / 16;
   ASSERT_TRUE(Await([&] { return subscriber->open_files() >= files + 4 * kShare; })) << *subscriber;
   StartPublisher();

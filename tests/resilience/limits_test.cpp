@@ -4,12 +4,12 @@
 
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
+#include <initializer_list>
 #include <sstream>
 #include <string>
 
-#include "hgros/base/ids.hpp"
+#include "resilience/places.hpp"
 #include "support/path.hpp"
 
 namespace hgros::resilience {
@@ -24,20 +24,20 @@ struct Outcome {
   [[nodiscard]] bool Says(const std::string& text) const { return output.find(text) != std::string::npos; }
 };
 
+/// In a domain of its own.
 Outcome RunLimited(const std::string& lack, int left, const std::string& when, const std::string& what) {
   Outcome outcome;
-  std::string folder = std::filesystem::temp_directory_path() / "hgros_limits_XXXXXX";
-  EXPECT_NE(mkdtemp(folder.data()), nullptr);
+  const ScratchFolder folder;
   // For any user: the worker may become another one.
-  std::filesystem::permissions(folder, std::filesystem::perms::all);
-  const std::string command = "XDG_RUNTIME_DIR=" + folder + " timeout 60 " + test::Path("limits_worker") +
-                              " --lack=" + lack + " --left=" + std::to_string(left) + " --when=" + when +
-                              " --do=" + what + " 2>&1";
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  const OwnDomain domain;
+  const std::string command = "XDG_RUNTIME_DIR=" + folder.path().string() + " timeout 60 " +
+                              test::Path("limits_worker") + " --lack=" + lack + " --left=" + std::to_string(left) +
+                              " --when=" + when + " --do=" + what + " 2>&1";
   FILE* const out = popen(command.c_str(), "r");
   std::array<char, 4096> bytes;
   while (const std::size_t size = fread(bytes.data(), 1, bytes.size(), out)) outcome.output.append(bytes.data(), size);
   const int status = pclose(out);
-  std::filesystem::remove_all(folder);
   if (WIFEXITED(status)) outcome.status = WEXITSTATUS(status);
   return outcome;
 }
@@ -52,86 +52,69 @@ void ExpectWords(const Outcome& outcome, const std::string& noun, const std::str
   }
 }
 
-class LackLater : public testing::Test {
- protected:
-  void SetUp() override { setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1); }
-  void TearDown() override { setenv("HGROS_DOMAIN", "none", 1); }
-};
+constexpr const char* kNoNamespaces = "The limit of threads needs a user namespace, and this machine forbids them.";
 
-class Lack : public LackLater, public testing::WithParamInterface<std::string> {};
-
-using LackOfFiles = Lack;
-using LackOfThreads = Lack;
-
-TEST_P(LackOfFiles, IsAnErrorOfARunningSession) {
+// For each number that is left: either an error or all messages, and at least `least` errors.
+void ExpectErrorOrMessages(const std::string& lack, const std::string& when, const std::string& what,
+                           std::initializer_list<int> lefts, int least) {
   int errors = 0;
-  for (const int left : {0, 1, 2, 3, 4, 5, 6, 7, 9, 11, 14, 17, 64}) {
-    const Outcome outcome = RunLimited("files", left, "after", GetParam());
-    ASSERT_EQ(outcome.status, 0) << left << " left\n" << outcome.output;
-    ExpectWords(outcome, "open files", "ulimit -n");
+  for (const int left : lefts) {
+    SCOPED_TRACE(what + ", " + std::to_string(left) + " left");
+    const Outcome outcome = RunLimited(lack, left, when, what);
+    if (outcome.status == kForbidden) GTEST_SKIP() << kNoNamespaces;
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    ExpectWords(outcome, lack == "files" ? "open files" : "threads", lack == "files" ? "ulimit -n" : "ulimit -u");
     errors += outcome.Says("error: ") ? 1 : 0;
-    EXPECT_EQ(outcome.Says("got 3"), left == 64 || !outcome.Says("error: ")) << outcome.output;
-  }
-  EXPECT_GE(errors, 5);
-}
-
-TEST_P(LackOfFiles, IsAnErrorOfASessionThatStarts) {
-  for (const int left : {4, 12, 13, 14, 15, 16, 17, 18, 19, 22, 30, 64}) {
-    const Outcome outcome = RunLimited("files", left, "before", GetParam());
-    ASSERT_EQ(outcome.status, 0) << left << " left\n" << outcome.output;
-    ExpectWords(outcome, "open files", "ulimit -n");
     EXPECT_NE(outcome.Says("got 3"), outcome.Says("error: ")) << outcome.output;
   }
+  EXPECT_GE(errors, least);
 }
 
-INSTANTIATE_TEST_SUITE_P(Endpoint, LackOfFiles, testing::Values("publisher", "subscriber"),
-                         [](const auto& one) { return one.param; });
-
-TEST_P(LackOfThreads, IsAnErrorOfARunningSession) {
-  int errors = 0;
-  for (int left = 0; left < 12; ++left) {
-    const Outcome outcome = RunLimited("threads", left, "after", GetParam());
-    if (outcome.status == kForbidden)
-      GTEST_SKIP() << "The limit of threads needs a user namespace, and this machine forbids them.";
-    ASSERT_EQ(outcome.status, 0) << left << " left\n" << outcome.output;
-    ExpectWords(outcome, "threads", "ulimit -u");
-    errors += outcome.Says("error: ") ? 1 : 0;
-    EXPECT_NE(outcome.Says("got 3"), outcome.Says("error: ")) << left << " left\n" << outcome.output;
+TEST(LackOfFiles, IsAnErrorOfARunningSession) {
+  for (const char* what : {"publisher", "subscriber"}) {
+    ExpectErrorOrMessages("files", "after", what, {0, 1, 2, 3, 4, 5, 6, 7, 9, 11, 14, 17}, 5);
+    const Outcome enough = RunLimited("files", 64, "after", what);
+    EXPECT_EQ(enough.status, 0) << enough.output;
+    EXPECT_TRUE(enough.Says("got 3")) << enough.output;
   }
-  EXPECT_GE(errors, 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(What, LackOfThreads, testing::Values("node", "publisher", "subscriber"),
-                         [](const auto& one) { return one.param; });
+TEST(LackOfFiles, IsAnErrorOfASessionThatStarts) {
+  for (const char* what : {"publisher", "subscriber"}) {
+    ExpectErrorOrMessages("files", "before", what, {4, 12, 13, 14, 15, 16, 17, 18, 19, 22, 30, 64}, 0);
+  }
+}
 
-TEST_F(LackLater, DoesNotStopMessages) {
+TEST(LackOfThreads, IsAnErrorOfARunningSession) {
+  for (const char* what : {"node", "publisher", "subscriber"}) {
+    ExpectErrorOrMessages("threads", "after", what, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 3);
+  }
+}
+
+TEST(LackLater, DoesNotStopMessages) {
   for (const std::string lack : {"threads", "files"}) {
     const Outcome outcome = RunLimited(lack, 0, "wired", "node");
-    if (outcome.status == kForbidden)
-      GTEST_SKIP() << "The limit of threads needs a user namespace, and this machine forbids them.";
+    if (outcome.status == kForbidden) GTEST_SKIP() << kNoNamespaces;
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_TRUE(outcome.Says("got 3")) << outcome.output;
   }
 }
 
-class LackWithLan : public Lack {};
-
-TEST_P(LackWithLan, IsAWarningAndTheSessionGoesOn) {
-  int warnings = 0;
-  for (const int left : {4, 6, 8, 9, 10, 11, 12, 14, 18, 22, 26, 30}) {
-    const Outcome outcome = RunLimited(GetParam(), left, "before", "lan");
-    if (outcome.status == kForbidden)
-      GTEST_SKIP() << "The limit of threads needs a user namespace, and this machine forbids them.";
-    ASSERT_EQ(outcome.status, 0) << left << " left\n" << outcome.output;
-    ExpectWords(outcome, GetParam(), "ulimit");
-    EXPECT_TRUE(outcome.Says("got 3")) << left << " left\n" << outcome.output;
-    warnings += outcome.Says("Sessions of other hosts are not found. ") ? 1 : 0;
+TEST(LackWithLan, IsAWarningAndTheSessionGoesOn) {
+  for (const std::string lack : {"files", "threads"}) {
+    int warnings = 0;
+    for (const int left : {4, 6, 8, 9, 10, 11, 12, 14, 18, 22, 26, 30}) {
+      SCOPED_TRACE(std::to_string(left) + " " + lack + " left");
+      const Outcome outcome = RunLimited(lack, left, "before", "lan");
+      if (outcome.status == kForbidden) GTEST_SKIP() << kNoNamespaces;
+      ASSERT_EQ(outcome.status, 0) << outcome.output;
+      ExpectWords(outcome, lack, "ulimit");
+      EXPECT_TRUE(outcome.Says("got 3")) << outcome.output;
+      warnings += outcome.Says("Sessions of other hosts are not found. ") ? 1 : 0;
+    }
+    EXPECT_GE(warnings, 2) << lack;
   }
-  EXPECT_GE(warnings, 2);
 }
-
-INSTANTIATE_TEST_SUITE_P(Of, LackWithLan, testing::Values("files", "threads"),
-                         [](const auto& one) { return one.param; });
 
 }  // namespace
 }  // namespace hgros::resilience

@@ -14,17 +14,14 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <foxglove/Log.pb.h>
 
 #include "hgros/hgros.hpp"
+#include "resilience/worker_program.hpp"
 #include "support/await.hpp"
 
 namespace hgros::resilience {
@@ -33,11 +30,6 @@ namespace {
 using foxglove::Log;
 
 constexpr int kForbidden = 77;
-
-void Say(const std::string& line) {
-  (void)std::printf("%s\n", line.c_str());
-  (void)std::fflush(stdout);
-}
 
 // The limit of threads counts all of the user in a namespace, and does not apply to root.
 bool BecomeSomebody() {
@@ -56,8 +48,11 @@ std::size_t Count(const char* folder) {
 
 class Program {
  public:
-  Program(std::string lack, std::string left, std::string when, std::string what)
-      : lack_(std::move(lack)), left_(std::stoul(left)), when_(std::move(when)), what_(std::move(what)) {}
+  explicit Program(const Arguments& arguments)
+      : lack_(arguments.Text("lack")),
+        left_(arguments.Number("left")),
+        when_(arguments.Text("when")),
+        what_(arguments.Text("do")) {}
 
   int Run() {
     if (lack_ == "threads" && !BecomeSomebody()) return kForbidden;
@@ -118,11 +113,4 @@ class Program {
 }  // namespace
 }  // namespace hgros::resilience
 
-int main(int count, char** texts) {
-  std::vector<std::string> values;
-  for (int i = 1; i < count; ++i) {
-    const std::string text = texts[i];
-    values.push_back(text.substr(text.find('=') + 1));
-  }
-  return hgros::resilience::Program(values.at(0), values.at(1), values.at(2), values.at(3)).Run();
-}
+int main(int count, char** texts) { return hgros::resilience::Program({count, texts}).Run(); }

@@ -14,7 +14,6 @@
 #include <sstream>
 #include <vector>
 
-#include "hgros/base/ids.hpp"
 #include "resilience/delay_line.hpp"
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
@@ -55,11 +54,12 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
   const test::Cable cable;
   if (!cable.ready || !cable.Set("up")) GTEST_SKIP() << "no network namespaces with veth here";
   for (const std::string& host : {cable.left, cable.right}) ASSERT_TRUE(test::Ip("-n " + host + " link set lo up"));
-  const std::string domain = "test-" + SessionId::Random().ToString();
-  setenv("HGROS_DOMAIN", domain.c_str(), 1);
+  std::optional<OwnDomain> domain(std::in_place);
+  const std::string command = "HGROS_DOMAIN=" + domain->name + " ip netns exec " + cable.left + " " +
+                              test::Path("hgros") + " path timer/scan map --seconds 3 --json --connect 10.198.0.2:5613";
   const WorkerProcess lidar({"--role=lidar", Publishing("tcp://10.198.0.1:5611")}, cable.left);
   const WorkerProcess mapper({"--role=mapper", "--delay_ms=200", Publishing("tcp://10.198.0.1:5612")}, cable.left);
-  setenv("HGROS_DOMAIN", "none", 1);
+  domain.reset();
   std::optional<DelayLine> line;
   test::On(cable.right, [&] { line.emplace(5612, kLine, "10.198.0.1"); });
   const WorkerProcess planner({"--role=planner", "--delay_ms=100", "--ahead_ms=5000",
@@ -67,8 +67,6 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
                               cable.right);
   ASSERT_TRUE(planner.Reaches({{"messages", 5}})) << planner << mapper << lidar;
 
-  const std::string command = "HGROS_DOMAIN=" + domain + " ip netns exec " + cable.left + " " + test::Path("hgros") +
-                              " path timer/scan map --seconds 3 --json --connect 10.198.0.2:5613";
   std::string said;
   const bool is_true = test::Await(
       [&] {  // On a busy machine, the two may have seen different messages.

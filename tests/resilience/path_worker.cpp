@@ -3,23 +3,18 @@
 // when its parent ends.
 //
 //   --config=YAML --role=lidar|mapper|planner --delay_ms=N --ahead_ms=N (its wall clock is ahead)
-#include <sys/prctl.h>
-
 #include <algorithm>
 #include <chrono>
-#include <csignal>
-#include <cstdio>
-#include <map>
 #include <mutex>
 #include <semaphore>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <foxglove/Log.pb.h>
 
 #include "hgros/clock/time.hpp"
 #include "hgros/hgros.hpp"
+#include "resilience/worker_program.hpp"
 #include "support/await.hpp"
 
 namespace hgros::resilience {
@@ -52,13 +47,14 @@ class Times {
   std::vector<std::int64_t> all_;
 };
 
-int Run(std::map<std::string, std::string> options) {
-  const std::string role = options["role"];
-  const std::chrono::milliseconds delay(std::atoi(options["delay_ms"].c_str()));
-  const std::chrono::milliseconds ahead(std::atoi(options["ahead_ms"].c_str()));
-  Session session(Config::Parse(options["config"]), SessionOptions{.name = role,
-                                                                   .log = [](LogLevel, std::string_view) {},
-                                                                   .wall = [ahead] { return WallNow() + ahead; }});
+int Run(const Arguments& arguments, const sigset_t& /*end*/) {
+  const std::string role = arguments.Text("role");
+  const std::chrono::milliseconds delay(arguments.Number("delay_ms"));
+  const std::chrono::milliseconds ahead(arguments.Number("ahead_ms"));
+  Session session(
+      Config::Parse(arguments.Text("config")),
+      SessionOptions{
+          .name = role, .log = [](LogLevel, std::string_view) {}, .wall = [ahead] { return WallNow() + ahead; }});
   std::binary_semaphore never{0};
   Times runs;
   Times ages;
@@ -89,9 +85,8 @@ int Run(std::map<std::string, std::string> options) {
     node = role == "mapper" ? pass_on("scan", "map") : pass_on("map", "");
   }
   for (;;) {
-    (void)std::printf("status messages=%zu run_ns=%lld age_ns=%lld\n", runs.count(),
-                      static_cast<long long>(runs.Median()), static_cast<long long>(ages.Median()));
-    (void)std::fflush(stdout);
+    Say("status messages=" + std::to_string(runs.count()) + " run_ns=" + std::to_string(runs.Median()) +
+        " age_ns=" + std::to_string(ages.Median()));
     test::Linger(std::chrono::milliseconds(50));
   }
 }
@@ -99,13 +94,4 @@ int Run(std::map<std::string, std::string> options) {
 }  // namespace
 }  // namespace hgros::resilience
 
-int main(int argc, char** argv) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  std::map<std::string, std::string> options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const std::size_t equals = argument.find('=');
-    options[argument.substr(2, equals - 2)] = argument.substr(equals + 1);
-  }
-  return hgros::resilience::Run(options);
-}
+int main(int count, char** texts) { return hgros::resilience::RunWorker(count, texts, hgros::resilience::Run); }

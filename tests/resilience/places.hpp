@@ -2,37 +2,30 @@
 
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
-#include <stdexcept>
 #include <string>
 
+#include "hgros/base/ids.hpp"
 #include "support/free_port.hpp"
 #include "support/relay_port.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::resilience {
 
-/// A folder for ipc endpoints, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "hgros_resilience_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder");
-    path_ = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
-  [[nodiscard]] std::string Endpoint(const std::string& name) const { return "ipc://" + (path_ / name).string(); }
-  [[nodiscard]] std::string path() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
 using test::FreePort;
 using test::LoopbackAddress;
+using test::ScratchFolder;
 
 inline std::string TcpEndpoint(std::uint16_t port) { return "tcp://127.0.0.1:" + std::to_string(port); }
+
+/// Sessions that begin while it lives find each other.
+class OwnDomain {
+ public:
+  OwnDomain() { setenv("HGROS_DOMAIN", name.c_str(), 1); }
+  OwnDomain(const OwnDomain&) = delete;
+  OwnDomain& operator=(const OwnDomain&) = delete;
+  ~OwnDomain() { setenv("HGROS_DOMAIN", "none", 1); }
+  const std::string name = "test-" + SessionId::Random().ToString();
+};
 
 /// "--config=" with the network section; `more` contains further keys of this section, such as ", heartbeat_ms: 100".
 inline std::string Publishing(const std::string& endpoint, const std::string& more = {}) {

@@ -8,19 +8,16 @@
 //                        after --await=N subscribers have come; waits for room where there is none; --bulk=1: as
 //                        Bulk; --spare-mb=N: then the process may allocate only this much more
 //   --in=CHANNEL         subscribe there: --keep-all=N or --keep-last=N, with a callback that takes --slow-ms=N
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <csignal>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <map>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -32,6 +29,7 @@
 #include <foxglove/RawImage.pb.h>
 
 #include "hgros/hgros.hpp"
+#include "resilience/worker_program.hpp"
 #include "support/await.hpp"
 
 namespace hgros::resilience {
@@ -42,46 +40,12 @@ using Image = foxglove::RawImage;
 constexpr auto kRoomPatience = std::chrono::seconds(60);
 constexpr auto kReportPeriod = std::chrono::milliseconds(20);
 
-class Arguments {
- public:
-  Arguments(int count, char** texts) {
-    for (int i = 1; i < count; ++i) {
-      const std::string_view text = texts[i];
-      const std::size_t equals = text.find('=');
-      values_.emplace(text.substr(2, equals - 2), text.substr(equals + 1));
-    }
-  }
-  [[nodiscard]] std::string Text(const std::string& name) const {
-    const auto found = values_.find(name);
-    return found == values_.end() ? std::string() : found->second;
-  }
-  [[nodiscard]] std::uint64_t Number(const std::string& name, std::uint64_t otherwise) const {
-    const auto found = values_.find(name);
-    return found == values_.end() ? otherwise : std::stoull(found->second);
-  }
-
- private:
-  std::map<std::string, std::string> values_;
-};
-
 /// The begin of each message's data. The rest is computed from the sequence.
 struct Stamp {
   std::uint64_t publisher = 0;  ///< The id of its process.
   std::uint64_t sequence = 0;   ///< Counts from 1.
   std::uint64_t checksum = 0;   ///< Checksum of the data, computed with 0 in this field.
 };
-
-std::uint64_t Checksum(std::string_view data) {
-  std::uint64_t sum = data.size();
-  for (; data.size() >= sizeof sum; data.remove_prefix(sizeof sum)) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, data.data(), sizeof word);
-    sum = (sum ^ word) * 0x9E3779B97F4A7C15ULL;
-    sum ^= sum >> 29;
-  }
-  for (const char byte : data) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
-  return sum;
-}
 
 void Fill(std::span<char> data, std::uint64_t sequence) {
   std::uint64_t word = sequence;
@@ -91,7 +55,7 @@ void Fill(std::span<char> data, std::uint64_t sequence) {
   }
   Stamp stamp{static_cast<std::uint64_t>(getpid()), sequence, 0};
   std::memcpy(data.data(), &stamp, sizeof stamp);
-  stamp.checksum = Checksum({data.data(), data.size()});
+  stamp.checksum = std::hash<std::string_view>{}({data.data(), data.size()});
   std::memcpy(data.data(), &stamp, sizeof stamp);
 }
 
@@ -123,7 +87,7 @@ Stamp ReadStamp(const Image& image) {
   if (data.size() < sizeof stamp) return {};
   std::memcpy(&stamp, data.data(), sizeof stamp);
   std::memset(data.data() + offsetof(Stamp, checksum), 0, sizeof stamp.checksum);
-  return Checksum(data) == stamp.checksum ? stamp : Stamp{};
+  return std::hash<std::string>{}(data) == stamp.checksum ? stamp : Stamp{};
 }
 
 /// Publishes on a thread of its own.
@@ -134,13 +98,7 @@ class Source {
         channel_(arguments.Text("out")),
         publish_(session.Advertise<Image>(channel_)),
         publish_bulk_(session.Advertise<Bulk<Image>>(channel_)),
-        bulk_(arguments.Number("bulk", 0) > 0),
-        spare_mb_(arguments.Number("spare-mb", 0)),
-        count_(arguments.Number("count", 0)),
-        size_bytes_(arguments.Number("size", 64)),
-        await_(arguments.Number("await", 0)),
-        period_(arguments.Number("period-us", 1000)),
-        thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+        thread_([this, arguments](const std::stop_token& stop) { Run(stop, arguments); }) {}
 
   void Report(std::string& line) const {
     line += " published=" + std::to_string(published_) + " full=" + std::to_string(full_) +
@@ -149,15 +107,19 @@ class Source {
   }
 
  private:
-  void Run(const std::stop_token& stop) {
-    if (!session_.WaitForSubscribers(channel_, await_, test::kPatience)) return;
-    if (spare_mb_ > 0) LimitMemory(spare_mb_ << 20);
+  void Run(const std::stop_token& stop, const Arguments& arguments) {
+    const bool bulk = arguments.Number("bulk") > 0;
+    const std::uint64_t count = arguments.Number("count");
+    const std::size_t size_bytes = arguments.Number("size", 64);
+    const std::chrono::microseconds period(arguments.Number("period-us", 1000));
+    if (!session_.WaitForSubscribers(channel_, arguments.Number("await"), test::kPatience)) return;
+    if (const auto spare_mb = arguments.Number("spare-mb"); spare_mb > 0) LimitMemory(spare_mb << 20);
     auto next = std::chrono::steady_clock::now();
-    for (std::uint64_t sequence = 1; (count_ == 0 || sequence <= count_) && !stop.stop_requested(); ++sequence) {
+    for (std::uint64_t sequence = 1; (count == 0 || sequence <= count) && !stop.stop_requested(); ++sequence) {
       PublishStatus status = PublishStatus::kEmpty;
       try {
-        status = bulk_ ? Publish(publish_bulk_, MakeBulk(sequence, size_bytes_), stop)
-                       : Publish(publish_, MakeImage(sequence, size_bytes_), stop);
+        status = bulk ? Publish(publish_bulk_, MakeBulk(sequence, size_bytes), stop)
+                      : Publish(publish_, MakeImage(sequence, size_bytes), stop);
       } catch (const std::bad_alloc&) {  // The earlier messages have not ended yet.
         --sequence;
       }
@@ -167,7 +129,7 @@ class Source {
         ++refused_;
         no_memory_ += status == PublishStatus::kNoMemory ? 1 : 0;
       }
-      next = std::max(next + period_, std::chrono::steady_clock::now() - period_);
+      next = std::max(next + period, std::chrono::steady_clock::now() - period);
       std::unique_lock lock(mutex_);
       stopped_.wait_until(lock, stop, next, [] { return false; });
     }
@@ -189,12 +151,6 @@ class Source {
   const std::string channel_;
   const Publisher<Image> publish_;
   const Publisher<Bulk<Image>> publish_bulk_;
-  const bool bulk_;
-  const std::uint64_t spare_mb_;
-  const std::uint64_t count_;
-  const std::size_t size_bytes_;
-  const std::size_t await_;
-  const std::chrono::microseconds period_;
   std::atomic<std::uint64_t> published_{0};
   std::atomic<std::uint64_t> full_{0};
   std::atomic<std::uint64_t> refused_{0};
@@ -208,10 +164,10 @@ class Source {
 /// Receives and checks messages. A publisher with another process id begins a new count.
 class Sink {
  public:
-  Sink(Session& session, const Arguments& arguments) : slow_(arguments.Number("slow-ms", 0)) {
+  Sink(Session& session, const Arguments& arguments) : slow_(arguments.Number("slow-ms")) {
     NodeOptions options;
     options.queue = Queue::KeepLast(arguments.Number("keep-last", 64));
-    if (const auto depth = arguments.Number("keep-all", 0); depth > 0) options.queue = Queue::KeepAll(depth);
+    if (const auto depth = arguments.Number("keep-all"); depth > 0) options.queue = Queue::KeepAll(depth);
     options.executor = Executor::Dedicated();
     subscription_ = session.FromAny<Image>(
         arguments.Text("in"), Invoke::kSerial, [this](const Image& image) { Take(image); }, options);
@@ -268,7 +224,6 @@ void ReportSession(const Session& session, std::string& line) {
   LogHistogram transport;
   for (const ChannelTraffic& traffic : snapshot.traffic) {
     out.subscribers += traffic.out.subscribers;
-    out.sent += traffic.out.sent;
     out.dropped += traffic.out.dropped;
     out.missed += traffic.out.missed;
     out.queued_bytes += traffic.out.queued_bytes;
@@ -282,27 +237,20 @@ void ReportSession(const Session& session, std::string& line) {
     transport.Merge(traffic.transport);
   }
   for (const std::uint64_t count : snapshot.transport.faults) faults += count;
-  line += " subscribers=" + std::to_string(out.subscribers) + " sent=" + std::to_string(out.sent) +
-          " dropped=" + std::to_string(out.dropped) + " missed=" + std::to_string(out.missed) +
-          " queued_bytes=" + std::to_string(out.queued_bytes) + " publishers=" + std::to_string(publishers) +
-          " came=" + std::to_string(in.received) + " lost=" + std::to_string(in.lost) +
-          " repeated=" + std::to_string(in.repeated) + " faults=" + std::to_string(faults) +
-          " peers=" + std::to_string(snapshot.peers.size()) + " delay_ns=" + std::to_string(transport.Quantile(0.5));
+  line += " subscribers=" + std::to_string(out.subscribers) + " dropped=" + std::to_string(out.dropped) +
+          " missed=" + std::to_string(out.missed) + " queued_bytes=" + std::to_string(out.queued_bytes) +
+          " publishers=" + std::to_string(publishers) + " came=" + std::to_string(in.received) +
+          " lost=" + std::to_string(in.lost) + " repeated=" + std::to_string(in.repeated) +
+          " faults=" + std::to_string(faults) + " peers=" + std::to_string(snapshot.peers.size()) +
+          " delay_ns=" + std::to_string(transport.Quantile(0.5));
 }
 
 int Run(const Arguments& arguments, const sigset_t& end) {
   if (const std::string group = arguments.Text("group"); !group.empty()) {
     if (!(std::ofstream(group + "/cgroup.procs") << getpid() << std::flush)) return 3;
   }
-  std::mutex writing;
-  const auto say = [&writing](const std::string& line) {
-    const std::scoped_lock lock(writing);
-    (void)std::fprintf(stdout, "%s\n", line.c_str());
-    (void)std::fflush(stdout);
-  };
-  Session session(
-      Config::Parse(arguments.Text("config")),
-      SessionOptions{"worker", [&say](LogLevel, std::string_view text) { say("log " + std::string(text)); }});
+  Session session(Config::Parse(arguments.Text("config")),
+                  SessionOptions{"worker", [](LogLevel, std::string_view text) { Say("log " + std::string(text)); }});
   std::optional<Sink> sink;
   std::optional<Source> source;
   if (!arguments.Text("in").empty()) sink.emplace(session, arguments);
@@ -316,7 +264,7 @@ int Run(const Arguments& arguments, const sigset_t& end) {
     ReportSession(session, line);
     if (source) source->Report(line);
     if (sink) sink->Report(line);
-    say(line);
+    Say(line);
     signal = sigtimedwait(&end, nullptr, &period);
   } while (signal < 0);
   return 0;
@@ -325,16 +273,4 @@ int Run(const Arguments& arguments, const sigset_t& end) {
 }  // namespace
 }  // namespace hgros::resilience
 
-int main(int count, char** texts) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  sigset_t end;
-  sigemptyset(&end);
-  sigaddset(&end, SIGTERM);
-  sigprocmask(SIG_BLOCK, &end, nullptr);
-  try {
-    return hgros::resilience::Run(hgros::resilience::Arguments(count, texts), end);
-  } catch (const std::exception& error) {
-    (void)std::fprintf(stdout, "log %s\n", error.what());
-    return 1;
-  }
-}
+int main(int count, char** texts) { return hgros::resilience::RunWorker(count, texts, hgros::resilience::Run); }

@@ -107,9 +107,10 @@ class NumberStream : public OutboundSource {
 };
 
 /// Checks the messages of each session: their numbers follow each other, and their data are whole. It keeps the last
-/// few messages, and checks each again when it releases it.
+/// messages, and checks each again when it releases it.
 class NumberSink : public InboundSink {
  public:
+  explicit NumberSink(std::size_t most_held = 20) : most_held_(most_held) {}
   Accepted Accept(InboundMessage&& message) noexcept override {
     const std::uint64_t number = NumberOf(message);
     {
@@ -118,11 +119,12 @@ class NumberSink : public InboundSink {
       if (!Whole(message) || (last != 0 && number != last + 1)) ++faults;
       last = number;
     }
-    ++received;
     held_.push_back(std::move(message));
-    if (held_.size() <= kHeld) return Accepted::kNothing;
-    if (!Whole(held_.front())) ++faults;
-    held_.pop_front();
+    if (held_.size() > most_held_) {
+      if (!Whole(held_.front())) ++faults;
+      held_.pop_front();
+    }
+    ++received;
     return Accepted::kNothing;
   }
   void Run() noexcept override {}
@@ -141,7 +143,6 @@ class NumberSink : public InboundSink {
   std::atomic<std::size_t> publishers{0};
 
  private:
-  static constexpr std::size_t kHeld = 20;
   static std::uint64_t NumberOf(const InboundMessage& message) {
     std::uint64_t number = 0;
     if (message.data.bytes.size() >= sizeof number) std::memcpy(&number, message.data.bytes.data(), sizeof number);
@@ -152,6 +153,7 @@ class NumberSink : public InboundSink {
     const auto mark = static_cast<std::byte>(NumberOf(message));
     return bytes.size() >= 8 && std::ranges::all_of(bytes.subspan(8), [&](std::byte one) { return one == mark; });
   }
+  const std::size_t most_held_;
   mutable std::mutex mutex_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t> last_;  // Guarded by mutex_.
   std::deque<InboundMessage> held_;

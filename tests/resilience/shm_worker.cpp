@@ -10,10 +10,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <deque>
 #include <fstream>
 #include <memory>
-#include <random>
 #include <string>
 #include <thread>
 

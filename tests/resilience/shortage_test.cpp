@@ -5,11 +5,9 @@
 
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
-#include "hgros/base/ids.hpp"
 #include "resilience/places.hpp"
 #include "resilience/small_group.hpp"
 #include "resilience/worker_process.hpp"
@@ -27,7 +25,7 @@ std::vector<std::string> Talker(const std::string& config, const std::string& mo
 
 TEST(PublisherWithoutMemory, GetsAStatusAndLives) {
   const ScratchFolder folder;
-  const std::string bus = folder.Endpoint("bus");
+  const std::string bus = folder.Ipc("bus");
   WorkerProcess publisher(Talker(Publishing(bus), "--bulk=0"));
   const WorkerProcess subscriber({Subscribing(bus), "--in=images", "--keep-all=4"});
   EXPECT_TRUE(publisher.Reaches({{"no_memory", 3}})) << publisher;
@@ -36,39 +34,43 @@ TEST(PublisherWithoutMemory, GetsAStatusAndLives) {
 }
 
 TEST(PublisherWithoutMemory, SendsBulkOverTheSocketWithoutACopy) {
-  setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1);
-  const std::string config = "--config=";
-  WorkerProcess publisher(Talker(config, "--bulk=1"));
-  const WorkerProcess subscriber({config, "--in=images", "--keep-all=4"});
+  const OwnDomain domain;
+  WorkerProcess publisher(Talker("--config=", "--bulk=1"));
+  const WorkerProcess subscriber({"--config=", "--in=images", "--keep-all=4"});
   EXPECT_TRUE(subscriber.Reaches({{"received", 3}})) << publisher << subscriber;
   EXPECT_EQ(subscriber["gaps"] + subscriber["corrupt"], 0U) << subscriber;
   EXPECT_EQ(publisher["refused"], 0U) << publisher;
   EXPECT_EQ(publisher.Finish(), 0) << publisher;
-  setenv("HGROS_DOMAIN", "none", 1);
 }
 
 // The kernel would kill a process of the group.
 TEST(PublisherWithoutMemory, KeepsWhatReceiversOfItsControlGroupCopyFree) {
   const SmallGroup group(std::uint64_t{200} << 20);
   if (!group.why_not.empty()) GTEST_SKIP() << group.why_not;
-  setenv("HGROS_DOMAIN", ("test-" + SessionId::Random().ToString()).c_str(), 1);
+  const OwnDomain domain;
   const std::string inside = "--group=" + group.folder;
   for (const bool bulk : {false, true}) {
-    WorkerProcess publisher({"--config=", inside, "--out=images", "--await=1", "--size=" + std::to_string(90 << 20),
-                             "--period-us=20000", "--bulk=" + std::to_string(bulk ? 1 : 0)});
+    const auto talker = [&](int mb) -> std::vector<std::string> {
+      return {"--config=",
+              inside,
+              "--out=images",
+              "--await=1",
+              "--size=" + std::to_string(mb << 20),
+              "--period-us=20000",
+              bulk ? "--bulk=1" : "--bulk=0"};
+    };
+    WorkerProcess publisher(talker(90));
     WorkerProcess subscriber({"--config=", inside, "--in=images", "--keep-all=4"});
     EXPECT_TRUE(publisher.Reaches({{"no_memory", 10}})) << publisher << subscriber;
     EXPECT_EQ(publisher.Finish(), 0) << publisher;
     EXPECT_EQ(subscriber.Finish(), 0) << subscriber;
-    WorkerProcess fitting({"--config=", inside, "--out=images", "--await=1", "--size=" + std::to_string(10 << 20),
-                           "--period-us=20000", "--bulk=" + std::to_string(bulk ? 1 : 0)});
+    WorkerProcess fitting(talker(10));
     WorkerProcess receiver({"--config=", inside, "--in=images", "--keep-all=4"});
     EXPECT_TRUE(receiver.Reaches({{"received", 10}})) << fitting << receiver;
     EXPECT_EQ(fitting["no_memory"] + receiver["gaps"] + receiver["corrupt"], 0U) << fitting << receiver;
     EXPECT_EQ(fitting.Finish(), 0) << fitting;
     EXPECT_EQ(receiver.Finish(), 0) << receiver;
   }
-  setenv("HGROS_DOMAIN", "none", 1);
 }
 
 TEST(SilentConnections, AreFewAndEndSoon) {
