@@ -45,10 +45,9 @@ class RemoteClock {
 
 constexpr Time kBegin = RemoteClock::kBegin;
 
-TEST(ClockOffsetEstimator, IsEmptyBeforeTheFirstExchange) { EXPECT_FALSE(ClockOffsetEstimator().At(kBegin)); }
-
-TEST(ClockOffsetEstimator, BoundsTheOffsetByTheDelayOfOneExchange) {
+TEST(ClockOffsetEstimator, IsEmptyAtFirstAndBoundsTheOffsetByTheDelayOfOneExchange) {
   ClockOffsetEstimator estimator;
+  EXPECT_FALSE(estimator.At(kBegin));
   const Time remote = kBegin + 5s;
   EXPECT_TRUE(estimator.Add({kBegin, remote + 1ms, remote + 1ms, kBegin + 2ms}));
   const ClockOffset offset = *estimator.At(kBegin + 1ms);

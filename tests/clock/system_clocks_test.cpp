@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 #include <sys/eventfd.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,9 +18,11 @@
 #include "clock/wall_jump_watch.hpp"
 #include "clock/wall_offset.hpp"
 #include "hgros/base/error.hpp"
+#include "hgros/clock/time.hpp"
 #include "hgros/clock/time_system.hpp"
 #include "hgros/clock/timer_queue.hpp"
 #include "support/await.hpp"
+#include "support/few_descriptors.hpp"
 
 namespace hgros {
 namespace {
@@ -48,23 +51,6 @@ TEST(WallJumpWatch, CallsBackWhenTheClockWasSet) {
   }
 }
 
-// No file descriptor can be opened while it lives.
-class NoDescriptors {
- public:
-  NoDescriptors() {
-    EXPECT_EQ(getrlimit(RLIMIT_NOFILE, &before_), 0);
-    rlimit none = before_;
-    none.rlim_cur = 0;
-    EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
-  }
-  NoDescriptors(const NoDescriptors&) = delete;
-  NoDescriptors& operator=(const NoDescriptors&) = delete;
-  ~NoDescriptors() { EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &before_), 0); }
-
- private:
-  rlimit before_{};
-};
-
 class Lines {
  public:
   [[nodiscard]] LogSink Sink() {
@@ -90,7 +76,7 @@ TEST(SystemClock, WorksUnwatchedUntilItCanBeWatched) {
   std::optional<TimerQueue> timers;
   Timer timer;
   {
-    const NoDescriptors none;
+    const test::FewDescriptors none(0);
     EXPECT_THROW((void)clock->OnJump([](const ClockJump&) {}), Error);
     timers.emplace(clock);
     timer = timers->Every(1ms, [&](const Tick&) { ++turns; });
@@ -121,8 +107,9 @@ class SystemsClocks : public testing::Test {};
 using BothClocks = testing::Types<SystemClock, SteadyClock>;
 TYPED_TEST_SUITE(SystemsClocks, BothClocks);
 
-TYPED_TEST(SystemsClocks, EndASleepAtItsMoment) {
+TYPED_TEST(SystemsClocks, AcceptListenersAndEndASleepAtItsMoment) {
   TypeParam clock;
+  const Listening listening = clock.OnJump([](const ClockJump&) {});
   const Time due = clock.Now() + 5ms;
   EXPECT_TRUE(SleepUntil(clock, due));
   EXPECT_GE(clock.Now(), due);
@@ -139,11 +126,6 @@ TYPED_TEST(SystemsClocks, EndASleepThatIsStopped) {
   }
 }
 
-TYPED_TEST(SystemsClocks, AcceptListeners) {
-  TypeParam clock;
-  const Listening listening = clock.OnJump([](const ClockJump&) {});
-}
-
 TEST(TimeSystem, ReturnsRealTimeAndTimeSinceAReference) {
   const auto source = SimulatedClock::Paused(Time{} + 50s);
   TimeSystem time(source);
@@ -158,16 +140,65 @@ TEST(TimeSystem, ReturnsRealTimeAndTimeSinceAReference) {
   time.SetBaseTime(0ns);
   EXPECT_EQ(time.GetRelativeTime(), Time{0});
   EXPECT_GE(time.GetRealTime(), WallNow() - 60s);
-}
-
-TEST(TimeSystem, NewBaseIsAJumpOfTheRelativeClock) {
-  TimeSystem time;
   Time after;
   const Listening listening = time.relative_clock()->OnJump([&](const ClockJump& jump) { after = jump.after; });
   std::jthread sleeping([&] { EXPECT_TRUE(SleepUntil(*time.relative_clock(), Time{} + 1h)); });
   time.SetBaseTime(2h);
   sleeping.join();
-  EXPECT_EQ(after, Time{} + 2h);
+  EXPECT_EQ(after, Time{} + 2h) << "a new base is a jump of the relative clock";
+}
+
+TEST(Time, AddsComparesSaturatesAndConverts) {
+  const Time start{1'000};
+  EXPECT_EQ(start + 1us, Time{2'000});
+  EXPECT_EQ(start + -1us, Time{0});
+  EXPECT_EQ((start + 5s) - start, 5s);
+  EXPECT_EQ(start - (start + 5s), -5s);
+  EXPECT_LT(Time{1}, Time{2});
+  EXPECT_EQ(Time{}, Time{0});
+  EXPECT_EQ(Later(Time{5}, 2ns), Time{7});
+  EXPECT_EQ(Later(Time{5}, Duration::max()), Time::Never());
+  EXPECT_EQ(Later(Time{-5}, Duration::min()).nanoseconds, std::numeric_limits<std::int64_t>::min());
+  const std::chrono::system_clock::time_point moment(1'700'000'000s);
+  EXPECT_EQ(Time::From(moment), Time{1'700'000'000'000'000'000});
+  EXPECT_EQ(Time::From(moment).ToSystemClock(), moment);
+}
+
+TEST(WallNow, AgreesWithTheSystemClock) {
+  const auto system_now = [] {
+    return std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch()).count();
+  };
+  // A clock that is set between the reads would fail the test; three tries make that unlikely.
+  bool agrees = false;
+  for (int i = 0; i < 3 && !agrees; ++i) {
+    const std::int64_t before = system_now();
+    const std::int64_t now = WallNow().nanoseconds;
+    agrees = before <= now && now <= system_now();
+  }
+  EXPECT_TRUE(agrees);
+}
+
+TEST(MonotonicNow, IsTheClockOfTheStandardLibrarysIntervalsAndNeverGoesBack) {
+  const auto steady_now = [] { return std::chrono::steady_clock::now().time_since_epoch() / 1ns; };
+  const std::int64_t before = steady_now();
+  std::int64_t last = MonotonicNow();
+  EXPECT_LE(before, last);
+  EXPECT_LE(last, steady_now());
+  for (int i = 0; i < 100'000; ++i) {
+    const std::int64_t now = MonotonicNow();
+    ASSERT_GE(now, last);
+    last = now;
+  }
+}
+
+TEST(DeadlineIn, KeepsTheLongestTimeoutInTheFuture) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point before = Clock::now();
+  EXPECT_EQ(DeadlineIn(std::chrono::nanoseconds::max()), Clock::time_point::max());
+  const Clock::time_point deadline = DeadlineIn(2s);
+  EXPECT_GE(deadline, before + 2s);
+  EXPECT_LE(deadline, Clock::now() + 2s);
+  EXPECT_LE(DeadlineIn(-1s), before);
 }
 
 }  // namespace
