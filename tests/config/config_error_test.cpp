@@ -1,6 +1,11 @@
+#include <gmock/gmock.h>
 #include <sys/stat.h>
 
 #include "config/config_fixture.hpp"
+#include "config/fixture_file.hpp"
+#include "hgros/config/check.hpp"
+#include "hgros/yaml/document.hpp"
+#include "support/error_of.hpp"
 
 namespace hgros {
 namespace {
@@ -8,6 +13,8 @@ namespace {
 using test::ExpectConfigError;
 using test::ExpectFault;
 using test::ScratchFolder;
+using testing::ElementsAre;
+using testing::HasSubstr;
 
 // https://rfc.zeromq.org/spec/26/ has pairs such as this one.
 constexpr const char* kKey = "Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID";
@@ -34,9 +41,6 @@ TEST(ConfigKeys, UnknownKeyErrorNamesTheNearestAndAllKnownKeys) {
   ExpectFault("data_graph: {nodes: {slam: {queu: latest}}}", "1:29", {"in data_graph.nodes.slam.", "\"queue\"?"});
   ExpectFault("channels: {scan: {latch: 1}}", "1:19", {"in channels.scan.", "\"latched\"?"});
   ExpectFault("network: {security: {secret: a}}", "1:22", {"Known keys: allowed_clients, public_key, secret_key,"});
-}
-
-TEST(ConfigKeys, UnknownSectionsAreRefused) {
   ExpectFault("params: {}", "1:1", {"Unknown key \"params\""});
   ExpectFault("domain: 3", "1:1", {"Unknown key \"domain\""});
 }
@@ -68,13 +72,10 @@ TEST(ConfigKeys, KeyBelowListDashesGetsAnIndentationHint) {
               {"Unknown key \"channels\" in network.", "indent it as far as the text after the dash"});
 }
 
-TEST(ConfigKeys, RepeatedKeyErrorNamesBothPositions) {
+TEST(ConfigKeys, ErrorsNameBothPositionsOfARepeatedKeyAndAMissingKey) {
   ExpectFault("network:\n  publisher: {ip: x}\nnetwork: {}\n", "3:1", {"\"network\" appears twice", "robot.yaml:1:1"});
   ExpectFault("data_graph: {threads: 1, threads: 1}", "1:26", {"\"threads\" appears twice", "robot.yaml:1:14"});
   ExpectFault("channels: {a: {}, 'a': {}}", "1:19", {"\"a\" appears twice"});
-}
-
-TEST(ConfigKeys, MissingKeyErrorNamesTheKey) {
   ExpectFault("network:\n  publisher:\n    channels: []\n", "3:5", {"network.publisher has no \"ip\"."});
   ExpectFault("data_graph: {nodes: {a: {executor: {cpus: [1]}}}}", "1:36", {"executor has no \"kind\"."});
   ExpectFault("channels: {a: {queue: {keep_all: {bytes: 1}}}}", "1:34", {"keep_all has no \"messages\"."});
@@ -153,13 +154,10 @@ TEST(ConfigEndpointFaults, SubscriberNeedsOneHostAndOnePort) {
   ExpectSubscriberFault("tcp://robot2:*", {"whose port is a wildcard"});
 }
 
-TEST(ConfigEndpointFaults, TwoPublishersCannotShareAPort) {
+TEST(ConfigEndpointFaults, RepeatedOnesNameBothPositions) {
   ExpectFault("network:\n  publisher:\n    - ip: '*:5553'\n    - ip: '127.0.0.1:5553'\n", "4:11",
               {"network.publisher[1].ip is \"tcp://127.0.0.1:5553\"",
                "port 5553 belongs to \"tcp://*:5553\" at robot.yaml:3:11"});
-}
-
-TEST(ConfigEndpointFaults, RepeatedSubscriberErrorNamesBothPositions) {
   ExpectFault("network:\n  subscribers:\n    - ip: 'h:5553'\n    - ip: 'tcp://H:05553'\n", "4:11",
               {"\"tcp://h:5553\" appears twice", "robot.yaml:3:11"});
 }
@@ -173,7 +171,7 @@ TEST(ConfigChannelNames, ErrorHasThePositionOfTheName) {
   ExpectFault("data_graph: {nodes: {'': {}}}", "1:22", {"name of the node is empty"});
 }
 
-TEST(ConfigQueues, RefuseInvalidForms) {
+TEST(ConfigForms, InvalidOnesOfQueuesTransportsAndExecutorsAreRefused) {
   ExpectFault("channels: {a: {queue: latst}}", "1:23",
               {"must be a queue, but is the text \"latst\".", "Did you mean \"latest\"?"});
   ExpectFault("channels: {a: {queue: 16}}", "1:23", {"but is the number 16.", "{keep_last: 16}"});
@@ -183,9 +181,7 @@ TEST(ConfigQueues, RefuseInvalidForms) {
   ExpectFault("channels: {a: {queue: {keeplast: 1}}}", "1:24", {"Did you mean \"keep_last\"?"});
   ExpectFault("channels: {a: {queue: latest, lossless: true}}", "1:41", {"contradicts the queue at robot.yaml:1:23"});
   ExpectFault("channels: {a: {queue: {keep_all: 5}, lossless: false}}", "1:48", {"contradicts the queue"});
-}
 
-TEST(ConfigTransports, RefuseInvalidForms) {
   ExpectFault("channels: {a: {transports: shared_memry}}", "1:28",
               {"must be one of shared_memory, zmq", "Did you mean \"shared_memory\"?"});
   ExpectFault("channels: {a: {transports: [zmq, tcp]}}", "1:34", {"must be one of shared_memory, zmq"});
@@ -193,9 +189,7 @@ TEST(ConfigTransports, RefuseInvalidForms) {
   ExpectFault("channels: {a: {transports: []}}", "1:28", {"lists no transport", "ToGraph"});
   ExpectFault("channels: {a: {transport: zmq}}", "1:16", {"Did you mean \"transports\"?"});
   ExpectFault("channels: {a: {carriers: zmq}}", "1:16", {"`carriers` is called `transports` now"});
-}
 
-TEST(ConfigExecutors, RefuseInvalidForms) {
   const auto expect = [](const std::string& form, const std::string& at, const std::vector<std::string>& parts) {
     ExpectFault("data_graph: {nodes: {a: {executor: " + form + "}}}", at, parts);
   };
@@ -213,20 +207,14 @@ TEST(ConfigSecurity, InvalidKeysAreRefusedAndNeverShown) {
   const std::string shorter(39, 'k');
   ExpectFault("network: {security: {public_key: " + shorter + "}}", "1:34", {"has 39 characters, but a key has 40"});
   const std::string strange = std::string(20, 's') + "~" + std::string(19, 's');
-  try {
-    (void)Config::Parse("network: {security: {secret_key: '" + strange + "'}}");
-    FAIL();
-  } catch (const ConfigError& error) {
-    const std::string what = error.what();
-    EXPECT_NE(what.find("character 21 is not in the Z85 alphabet"), std::string::npos) << what;
-    EXPECT_EQ(what.find("ssss"), std::string::npos) << what;
-  }
-  try {
-    (void)Config::Parse(std::string("network: {security: {secret_key_file: '") + kKey + "'}}");
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()).find("Yne@$"), std::string::npos) << error.what();
-  }
+  const std::string what =
+      test::ErrorOf([&] { (void)Config::Parse("network: {security: {secret_key: '" + strange + "'}}"); });
+  EXPECT_NE(what.find("character 21 is not in the Z85 alphabet"), std::string::npos) << what;
+  EXPECT_EQ(what.find("ssss"), std::string::npos) << what;
+  const std::string of_file =
+      test::ErrorOf([] { (void)Config::Parse(std::string("network: {security: {secret_key_file: '") + kKey + "'}}"); });
+  EXPECT_NE(of_file, "");
+  EXPECT_EQ(of_file.find("Yne@$"), std::string::npos) << of_file;
 }
 
 TEST(ConfigSecurity, IncompleteSettingsAreRefused) {
@@ -242,9 +230,6 @@ TEST(ConfigSecurity, IncompleteSettingsAreRefused) {
               {"stands beside secret_key at robot.yaml:3:17"});
   ExpectFault("network: {security: {servers: {'h:1': " + key + ", 'tcp://H:1': " + key + "}}}", "1:96",
               {"already has a key at robot.yaml:1:32"});
-}
-
-TEST(ConfigSecurity, APublicKeyMustBelongToTheSecretKey) {
   const std::string other = "'rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7'";
   ExpectFault("network: {security: {public_key: " + other + ", secret_key: '" + kSecret + "'}}", "1:34",
               {"does not belong to the secret key", std::string("The public key of that secret key is ") + kKey});
@@ -283,6 +268,91 @@ TEST(ConfigFiles, ErrorNamesTheFileThatCannotBeRead) {
                     {"name of a configuration file is empty"});
   const auto huge = folder.Write("huge.yaml", std::string(1024 * 1024 + 1, '#'));
   ExpectConfigError([&] { return Config::Load(huge); }, huge.string(), {"more than 1 MiB"});
+}
+
+// "LINE:COLUMN: what" of each fault of one file.
+std::vector<std::string> FaultsOf(std::string_view yaml, const ConfigCheckOptions& options = {}) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.Write("robot.yaml", yaml);
+  std::vector<std::string> faults;
+  for (const ConfigError& fault : CheckConfig(std::span(&file, 1), options).faults) {
+    faults.push_back(std::string(fault.what()).substr(file.string().size() + 1));
+  }
+  return faults;
+}
+
+TEST(ConfigCheck, TellsAllFaultsOfAFile) {
+  EXPECT_THAT(
+      FaultsOf("netwrok: {}\n"
+               "network:\n"
+               "  publisher: {ip: 'tcp://*', chanels: [a], channels: [a, a, 'b c']}\n"
+               "  subscribers: [{ip: 'tcp://*:1'}, {channels: [d]}, x]\n"
+               "  heartbeat_ms: 0\n"
+               "channels: {a: {queue: 3, latched: many}, b: {transport: zmq}}\n"
+               "data_graph: {threads: '2', nodes: {n: {executor: tbbb}}}\n"),
+      ElementsAre(HasSubstr("1:1: Unknown key \"netwrok\""), HasSubstr("3:30: Unknown key \"chanels\""),
+                  HasSubstr("3:19: network.publisher.ip is"), HasSubstr("3:58: network.publisher.channels[1]"),
+                  HasSubstr("3:61: The channel name"), HasSubstr("4:22: network.subscribers[0].ip"),
+                  HasSubstr("4:36: network.subscribers[1] has no \"ip\""),
+                  HasSubstr("4:53: network.subscribers[2] must be a map"),
+                  HasSubstr("5:17: network.heartbeat_ms must be"), HasSubstr("7:23: data_graph.threads must be"),
+                  HasSubstr("7:50: data_graph.nodes.n.executor must be"), HasSubstr("6:23: channels.a.queue"),
+                  HasSubstr("6:35: channels.a.latched"), HasSubstr("6:46: Unknown key \"transport\"")));
+}
+
+TEST(ConfigCheck, TellsAllContradictions) {
+  EXPECT_THAT(FaultsOf("network: {heartbeat_ms: 9000}\nshared_memory: {spin_us: 5}\n"),
+              ElementsAre(HasSubstr("2:26: shared_memory.spin_us applies only"),
+                          HasSubstr("1:25: network.peer_timeout_ms is 5000")));
+  const std::string key = "'rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7'";
+  EXPECT_THAT(FaultsOf("network: {subscribers: [{ip: 'a:1'}, {ip: 'b:1'}], security: {secret_key: " + key + "}}"),
+              ElementsAre(HasSubstr("no public key"), HasSubstr("no key for \"tcp://a:1\""),
+                          HasSubstr("no key for \"tcp://b:1\"")));
+}
+
+TEST(ConfigCheck, TellsAKeyThatCannotBeReadOnce) {
+  const std::string yaml =
+      "network: {security: {public_key: 'rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7', secret_key_file: missing.key}}";
+  EXPECT_THAT(FaultsOf(yaml), ElementsAre(HasSubstr("missing.key\", which cannot be read")));
+  EXPECT_THAT(FaultsOf(yaml, {.read_key_files = false}), ElementsAre());
+  EXPECT_THAT(
+      FaultsOf("network: {security: {public_key: short, secret_key_file: missing.key}}", {.read_key_files = false}),
+      ElementsAre(HasSubstr("has 5 characters")));
+  EXPECT_THAT(FaultsOf("network: {subscribers: [{ip: 'a:1'}], security: {secret_key_file: k, servers: {'a:1': short}, "
+                       "public_key: 'rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7'}}",
+                       {.read_key_files = false}),
+              ElementsAre(HasSubstr("has 5 characters")));
+}
+
+TEST(ConfigCheck, GoesOnAfterAFileThatCannotBeRead) {
+  const ScratchFolder folder;
+  const std::vector<std::filesystem::path> files = {folder.path() / "missing.yaml", folder.Write("broken.yaml", "a: ["),
+                                                    folder.Write("robot.yaml", "time: simulated\ndomain: a\n")};
+  const CheckedConfig checked = CheckConfig(files);
+  ASSERT_EQ(checked.faults.size(), 3U);
+  EXPECT_EQ(checked.faults[0].where(), files[0].string());
+  EXPECT_THAT(checked.faults[1].where(), HasSubstr("broken.yaml:1:"));
+  EXPECT_THAT(checked.faults[2].where(), HasSubstr("robot.yaml:2:1"));
+  EXPECT_TRUE(checked.config.simulated_time);
+}
+
+TEST(YamlDocument, KeepsItsNodesWhenAVectorGrows) {
+  std::vector<yaml::Document> documents;
+  for (int i = 0; i < 20; ++i) {
+    documents.push_back(yaml::Document::Parse("key: value" + std::to_string(i), "robot.yaml"));
+  }
+  for (int i = 0; i < 20; ++i) {
+    const auto& root = documents[static_cast<std::size_t>(i)].root();
+    ASSERT_EQ(root.entries.size(), 1U);
+    EXPECT_EQ(root.entries[0].value->text, "value" + std::to_string(i));
+  }
+}
+
+TEST(ConfigCheck, AcceptsWhatLoadAccepts) {
+  const std::filesystem::path file = test::FixtureFile("everything.yaml");
+  const CheckedConfig checked = CheckConfig(std::span(&file, 1));
+  EXPECT_TRUE(checked.faults.empty());
+  EXPECT_EQ(checked.config.channels, Config::Load(file).channels);
 }
 
 }  // namespace
