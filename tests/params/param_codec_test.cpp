@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "hgros/params/param_path.hpp"
 #include "params/param_tree.hpp"
 #include "params/params_fixture.hpp"
 
@@ -147,6 +148,49 @@ TEST(ParamCodec, ReadsBackWhatItWrites) {
     std::memcpy(&number, &bits, sizeof number);
     if (!std::isnan(number)) ExpectRoundTrip(number);
   }
+}
+
+TEST(ParamPath, ReadsKeysIndicesAndQuotedKeysAndOverlapsPathsAboveAndBelow) {
+  const ParamPath path = ParamPath::Parse("slam.gains[2][0].\"a \\\"key\\\".\".x");
+  ASSERT_EQ(path.steps().size(), 6U);
+  EXPECT_EQ(std::get<std::string>(path.steps()[0]), "slam");
+  EXPECT_EQ(std::get<std::size_t>(path.steps()[2]), 2U);
+  EXPECT_EQ(std::get<std::string>(path.steps()[4]), "a \"key\".");
+  EXPECT_EQ(path.ToString(), "slam.gains[2][0].\"a \\\"key\\\".\".x");
+  EXPECT_EQ(ParamPath::Parse(path.ToString()), path);
+  EXPECT_TRUE(ParamPath::Parse("").empty());
+  const ParamPath below = ParamPath::Parse("a.b");
+  for (const char* overlapping : {"a", "a.b.c", ""}) EXPECT_TRUE(below.Overlaps(ParamPath::Parse(overlapping)));
+  EXPECT_FALSE(below.Overlaps(ParamPath::Parse("a.bc")));
+}
+
+TEST(ParamPath, ReportsWhyAPathIsInvalid) {
+  for (const auto& [text, what] : {std::pair{"a..b", "a key is empty"},
+                                   {"a.", "ends without a key"},
+                                   {"[1]", "a key is empty"},
+                                   {"a[x]", "a number"},
+                                   {"a[1", "a number"},
+                                   {"a.\"b", "never closed"},
+                                   {"a b", "where a dot"}}) {
+    const std::string error = test::ErrorOf([&, t = text] { (void)ParamPath::Parse(t); });
+    EXPECT_NE(error.find(what), std::string::npos) << text << ": " << error;
+  }
+}
+
+TEST(ParamPath, IsLimitedToTheDepthAndTheKeysOfYaml) {
+  std::string path = "a";
+  for (int step = 1; step < 63; ++step) path += step % 2 == 0 ? ".a" : "[0]";
+  EXPECT_EQ(ParamPath::Parse(path).ToString(), path);
+  for (const char* one_more : {".a", "[0]"}) {
+    const std::string error = test::ErrorOf([&] { (void)ParamPath::Parse(path + one_more); });
+    EXPECT_NE(error.find("more than 63 steps"), std::string::npos) << error;
+  }
+  const std::string longest = "slam." + std::string(1000, 'k');
+  EXPECT_EQ(ParamPath::Parse(longest).ToString(), longest);
+  EXPECT_THROW((void)ParamPath::Parse(longest + "k"), ParamError);
+  std::string hostile = "a";
+  for (int step = 0; step < 200'000; ++step) hostile += ".a";
+  EXPECT_NE(test::ErrorOf([&] { (void)ParamPath::Parse(hostile); }), "");
 }
 
 }  // namespace

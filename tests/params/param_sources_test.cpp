@@ -115,7 +115,7 @@ TEST_F(ParamSourcesTest, OverridesThatNobodyDeclaresAreLoggedAtTheEndOfAShortPro
   EXPECT_EQ(undeclared.said(), 0U) << "it declares nothing";
 }
 
-TEST(TakeParamArguments, RemovesParamArgumentsAndKeepsTheRest) {
+TEST(TakeParamArguments, RemovesParamArgumentsAndRefusesThoseWithoutPathOrValue) {
   std::vector<std::string> arguments{"robot", "--param", "a.b=1=2", "-v", "--param=c=", "--", "--param", "d=1"};
   const std::vector<ParamOverride> overrides = TakeParamArguments(arguments);
   ASSERT_EQ(overrides.size(), 2U);
@@ -125,13 +125,10 @@ TEST(TakeParamArguments, RemovesParamArgumentsAndKeepsTheRest) {
   EXPECT_EQ(overrides[1].path, "c");
   EXPECT_EQ(overrides[1].value, "");
   EXPECT_EQ(arguments, (std::vector<std::string>{"robot", "-v", "--", "--param", "d=1"}));
-}
-
-TEST(TakeParamArguments, RefusesArgumentsWithoutPathOrValue) {
   for (const std::vector<std::string>& given :
        {std::vector<std::string>{"--param"}, {"--param", "a"}, {"--param=a"}, {"--param", "=1"}}) {
-    std::vector<std::string> arguments = given;
-    EXPECT_THROW((void)TakeParamArguments(arguments), ParamError) << given[0];
+    std::vector<std::string> wrong = given;
+    EXPECT_THROW((void)TakeParamArguments(wrong), ParamError) << given[0];
   }
 }
 

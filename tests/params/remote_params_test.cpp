@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <array>
-#include <functional>
 #include <future>
 #include <optional>
 #include <thread>
@@ -138,10 +137,15 @@ class RemoteParamsTest : public test::DomainFixture {
  protected:
   Robot robot_{"", "robot"};
   Robot other_{"", "other"};
+  RemoteParams params_{*other_.session, "robot", kPatience};
 };
 
-TEST_F(RemoteParamsTest, AWatchOfAPathThatDoesNotExistIsLoggedOnceWithTheNearestOne) {
-  Offering offering(*robot_.session);
+class OfferedParams : public RemoteParamsTest {
+ protected:
+  Offering offering_{*robot_.session};
+};
+
+TEST_F(OfferedParams, AWatchOfAPathThatDoesNotExistIsLoggedOnceWithTheNearestOne) {
   std::mutex mutex;
   std::vector<std::string> lines;
   RemoteParams params(*other_.session, "robot", kPatience, [&](LogLevel, std::string_view line) {
@@ -166,10 +170,8 @@ TEST_F(RemoteParamsTest, AWatchOfAPathThatDoesNotExistIsLoggedOnceWithTheNearest
             "mean slam.matcher?");
 }
 
-TEST_F(RemoteParamsTest, ReportsWhenNoSessionOffersThem) {
-  const Offering offering(*robot_.session);
-  RemoteParams known(*other_.session, "robot", kPatience);
-  ASSERT_TRUE(known.Snapshot().ok());
+TEST_F(OfferedParams, ReportsWhenNoSessionOffersThem) {
+  ASSERT_TRUE(params_.Snapshot().ok());
   RemoteParams params(*other_.session, "robt", 20ms);
   constexpr auto kSentence = "No session \"robt\" offers parameters. Did you mean \"robot\"?";
   EXPECT_EQ(params.Get<int>("a").refusal, kSentence);
@@ -179,68 +181,57 @@ TEST_F(RemoteParamsTest, ReportsWhenNoSessionOffersThem) {
   EXPECT_THROW(RemoteParams(*other_.session, "no channel name", 20ms), Error);
 }
 
-TEST_F(RemoteParamsTest, ReportsMissingValuesAndWrongTypes) {
-  const Offering offering(*robot_.session);
-  RemoteParams params(*other_.session, "robot", kPatience);
-  EXPECT_THAT(params.Get<double>("slam.matcher.reach").refusal, HasSubstr("slam.matcher.reach is not set"));
-  EXPECT_THAT(params.Get<int>("slam.matcher.method").refusal, HasSubstr("slam.matcher.method must be"));
-  EXPECT_FALSE(params.List("slam..x").ok());
-  EXPECT_FALSE(params.Describe("slam..x").ok());
-  EXPECT_FALSE(params.Set("slam..x", 1).ok());
-  EXPECT_TRUE(params.List("nothing")->empty());
-  EXPECT_EQ(*params.Get<std::string>("a.\"the key\""), "5") << "a text stays a text";
-}
+TEST_F(OfferedParams, ReportsMissingValuesAndWrongTypesAndCreatesNothingUnlessAsked) {
+  EXPECT_THAT(params_.Get<double>("slam.matcher.reach").refusal, HasSubstr("slam.matcher.reach is not set"));
+  EXPECT_THAT(params_.Get<int>("slam.matcher.method").refusal, HasSubstr("slam.matcher.method must be"));
+  EXPECT_FALSE(params_.List("slam..x").ok());
+  EXPECT_FALSE(params_.Describe("slam..x").ok());
+  EXPECT_FALSE(params_.Set("slam..x", 1).ok());
+  EXPECT_TRUE(params_.List("nothing")->empty());
+  EXPECT_EQ(*params_.Get<std::string>("a.\"the key\""), "5") << "a text stays a text";
 
-TEST_F(RemoteParamsTest, RefusesToSetWhatDoesNotExistUnlessAskedToCreateIt) {
-  const Offering offering(*robot_.session);
-  RemoteParams params(*other_.session, "robot", kPatience);
-  EXPECT_EQ(params.Set("slam.matcher.rnage", 5.0).refusal,
+  EXPECT_EQ(params_.Set("slam.matcher.rnage", 5.0).refusal,
             "There is no parameter slam.matcher.rnage. Did you mean slam.matcher.range? To create it, pass "
             "IfMissing::kCreate.");
-  EXPECT_EQ(params.Remove("nothing").refusal, "There is no parameter nothing.");
-  EXPECT_FALSE(params.Change({ParamChange::Of("slam.matcher.range", 5.0), ParamChange::Of("new", 1)}).ok());
-  EXPECT_EQ(*params.Get<double>("slam.matcher.range"), 8.5) << "all changes or none";
-  EXPECT_FALSE(params.Get<int>("new").ok());
-  EXPECT_EQ(params.Set("new", 1, IfMissing::kCreate).refusal, "");
-  EXPECT_EQ(params.Set("new", 2).refusal, "");
-  EXPECT_EQ(*params.Get<int>("new"), 2);
+  EXPECT_EQ(params_.Remove("nothing").refusal, "There is no parameter nothing.");
+  EXPECT_FALSE(params_.Change({ParamChange::Of("slam.matcher.range", 5.0), ParamChange::Of("new", 1)}).ok());
+  EXPECT_EQ(*params_.Get<double>("slam.matcher.range"), 8.5) << "all changes or none";
+  EXPECT_FALSE(params_.Get<int>("new").ok());
+  EXPECT_EQ(params_.Set("new", 1, IfMissing::kCreate).refusal, "");
+  EXPECT_EQ(params_.Set("new", 2).refusal, "");
+  EXPECT_EQ(*params_.Get<int>("new"), 2);
 }
 
-TEST_F(RemoteParamsTest, ReportsTimeouts) {
-  Offering offering(*robot_.session);
+TEST_F(OfferedParams, ReportsTimeouts) {
   test::Door door;
-  const auto validator = offering.server.AddValidator("slow", [&](const ParamEvent&) -> std::optional<std::string> {
+  const auto validator = offering_.server.AddValidator("slow", [&](const ParamEvent&) -> std::optional<std::string> {
     door.Pass();
     return std::nullopt;
   });
-  RemoteParams patient(*other_.session, "robot", kPatience);
-  ASSERT_TRUE(patient.Snapshot().ok());
-  RemoteParams params(*other_.session, "robot", 50ms);
-  EXPECT_THAT(params.Set("slow", 1, IfMissing::kCreate).refusal,
+  ASSERT_TRUE(params_.Snapshot().ok());
+  RemoteParams hurried(*other_.session, "robot", 50ms);
+  EXPECT_THAT(hurried.Set("slow", 1, IfMissing::kCreate).refusal,
               HasSubstr("The session \"robot\" did not answer in time"));
   door.Open();
-  EXPECT_EQ(*patient.Get<int>("slow"), 1) << "the change was made after the timeout";
+  EXPECT_EQ(*params_.Get<int>("slow"), 1) << "the change was made after the timeout";
 }
 
-TEST_F(RemoteParamsTest, ShowsLaterDeclarationsAndChanges) {
-  Offering offering(*robot_.session);
-  RemoteParams params(*other_.session, "robot", kPatience);
-  ASSERT_TRUE(params.Snapshot().ok());
-  offering.server.Declare("later", 7, {.read_only = true});
-  EXPECT_EQ(*params.Get<int>("later"), 7);
-  EXPECT_TRUE(params.Describe("later")->at(0).info.read_only);
-  EXPECT_FALSE(params.Set("later", 8).ok());
+TEST_F(OfferedParams, ShowsLaterDeclarationsAndChanges) {
+  ASSERT_TRUE(params_.Snapshot().ok());
+  offering_.server.Declare("later", 7, {.read_only = true});
+  EXPECT_EQ(*params_.Get<int>("later"), 7);
+  EXPECT_TRUE(params_.Describe("later")->at(0).info.read_only);
+  EXPECT_FALSE(params_.Set("later", 8).ok());
   std::atomic<int> seen{0};
-  const auto watching = params.Watch("x", [&](const ParamEvent& event) { seen = event.after.Get<int>("x", -1); });
+  const auto watching = params_.Watch("x", [&](const ParamEvent& event) { seen = event.after.Get<int>("x", -1); });
   for (int i = 1; i <= 20; ++i) {
-    ASSERT_TRUE(offering.server.Set("x", i).ok());
-    ASSERT_EQ(*params.Get<int>("x"), i);
+    ASSERT_TRUE(offering_.server.Set("x", i).ok());
+    ASSERT_EQ(*params_.Get<int>("x"), i);
     ASSERT_TRUE(Await([&] { return seen == i; }));
   }
 }
 
-TEST_F(RemoteParamsTest, SlowListenerGetsTheLatestValue) {
-  Offering offering(*robot_.session);
+TEST_F(OfferedParams, SlowListenerGetsTheLatestValue) {
   test::Door door;
   std::atomic<std::uint64_t> version{0};
   std::atomic<int> states{0};
@@ -251,45 +242,38 @@ TEST_F(RemoteParamsTest, SlowListenerGetsTheLatestValue) {
                                                            ++states;
                                                          },
                                                          {{}, Queue::KeepAll(1), Executor::Dedicated()});
-  for (int i = 1; i <= 30; ++i) ASSERT_TRUE(offering.server.Set("x", i).ok()) << "Set does not wait";
+  for (int i = 1; i <= 30; ++i) ASSERT_TRUE(offering_.server.Set("x", i).ok()) << "Set does not wait";
   door.Open();
   EXPECT_TRUE(Await([&] { return version == 31; }));
   EXPECT_LT(states, 31);
   RemoteParams late(*other_.session, "robot", kPatience);
   EXPECT_EQ(*late.Get<int>("x"), 30);
-  for (int i = 31; i <= 40; ++i) ASSERT_TRUE(offering.server.Set("x", i).ok());
+  for (int i = 31; i <= 40; ++i) ASSERT_TRUE(offering_.server.Set("x", i).ok());
   EXPECT_TRUE(Await([&] { return version == 41; }));
 }
 
 TEST_F(RemoteParamsTest, RecoversWhenTheOfferingSessionReturns) {
-  RemoteParams params(*other_.session, "robot", kPatience);
   RemoteParams impatient(*other_.session, "robot", 20ms);
   std::atomic<int> seen{0};
-  const auto watching = params.Watch("x", [&](const ParamEvent& event) { seen = event.after.Get<int>("x", -1); });
+  const auto watching = params_.Watch("x", [&](const ParamEvent& event) { seen = event.after.Get<int>("x", -1); });
   for (int life = 1; life <= 3; ++life) {
     ParamServer server({{}, {{"x", std::to_string(life), "test"}}});
     const ParamService service(*robot_.session, server);
-    EXPECT_EQ(*params.Get<int>("x"), life);
+    EXPECT_EQ(*params_.Get<int>("x"), life);
     EXPECT_TRUE(Await([&] { return seen == life; }));
   }
   EXPECT_TRUE(Await([&] { return !impatient.Get<int>("x").ok(); }));
 }
 
-TEST_F(RemoteParamsTest, MayBeUsedInsideAListener) {
-  Offering offering(*robot_.session);
-  RemoteParams params(*other_.session, "robot", kPatience);
-  const auto watching = params.Watch("count", [&](const ParamEvent& event) {
+TEST_F(OfferedParams, CanBeSetInsideAListenerAndByManyThreadsAtOnce) {
+  const auto counting = params_.Watch("count", [&](const ParamEvent& event) {
     const int count = event.after.Get<int>("count");
     if (count < 5) {
-      EXPECT_EQ(params.Set("count", count + 1).refusal, "");
+      EXPECT_EQ(params_.Set("count", count + 1).refusal, "");
     }
   });
-  EXPECT_TRUE(params.Set("count", 1, IfMissing::kCreate).ok());
-  EXPECT_TRUE(Await([&] { return offering.server.Get<int>("count") == 5; }));
-}
-
-TEST_F(RemoteParamsTest, CanBeSetByManyThreadsAtOnce) {
-  Offering offering(*robot_.session);
+  EXPECT_TRUE(params_.Set("count", 1, IfMissing::kCreate).ok());
+  EXPECT_TRUE(Await([&] { return offering_.server.Get<int>("count") == 5; }));
   std::vector<std::jthread> setters;
   for (int t = 0; t < 4; ++t) {
     setters.emplace_back([&, t] {
@@ -302,7 +286,7 @@ TEST_F(RemoteParamsTest, CanBeSetByManyThreadsAtOnce) {
     });
   }
   setters.clear();
-  for (int t = 0; t < 4; ++t) EXPECT_EQ(offering.server.Get<int>("many.of" + std::to_string(t)), 25);
+  for (int t = 0; t < 4; ++t) EXPECT_EQ(offering_.server.Get<int>("many.of" + std::to_string(t)), 25);
 }
 
 TEST_F(RemoteParamsTest, WaitsNotForTheStateOfASessionThatHasEnded) {
@@ -327,15 +311,14 @@ TEST_F(RemoteParamsTest, WaitsNotForTheStateOfASessionThatHasEnded) {
   EXPECT_EQ(refusal.get(), "The session \"robot\" has ended after its answer, and its parameters have not arrived.");
 }
 
-TEST_F(RemoteParamsTest, RefusesRequestsThatCannotBeRead) {
-  Offering offering(*robot_.session);
+TEST_F(OfferedParams, RefusesRequestsThatCannotBeReadAndMakesARepeatedChangeOnlyOnce) {
   const auto ask = other_->Advertise<ParamsQuestion>("params/robot/ask");
   std::atomic<int> refused{0};
+  std::atomic<int> made{0};
   const auto answers =
       other_->FromAny<ParamsAnswer>("params/robot/answer", Invoke::kSerial, [&](const ParamsAnswer& answer) {
         EXPECT_EQ(answer.asker(), 1U);
-        EXPECT_FALSE(answer.refusal().empty());
-        ++refused;
+        ++(answer.refusal().empty() ? made : refused);
       });
   ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 1, kPatience));
   ASSERT_TRUE(other_->WaitForPublishers("params/robot/answer", 1, kPatience));
@@ -343,40 +326,24 @@ TEST_F(RemoteParamsTest, RefusesRequestsThatCannotBeRead) {
   question.set_asker(1);
   question.set_create(true);
   question.add_changes();
-  const std::array<std::pair<std::string, std::string>, 4> wrong{
-      {{"a.b", "[1, 2"}, {"a..b", "1"}, {"a[9]", "1"}, {"x", "a: &a [*a]"}}};
-  for (const auto& [path, yaml] : wrong) {
+  const auto change = [&](const std::string& path, const std::string& yaml) {
     question.set_number(question.number() + 1);
     question.mutable_changes(0)->set_path(path);
     question.mutable_changes(0)->set_yaml(yaml);
     EXPECT_EQ(ask(question), PublishStatus::kOk);
-  }
+  };
+  const std::array<std::pair<std::string, std::string>, 4> wrong{
+      {{"a.b", "[1, 2"}, {"a..b", "1"}, {"a[9]", "1"}, {"x", "a: &a [*a]"}}};
+  for (const auto& [path, yaml] : wrong) change(path, yaml);
   EXPECT_TRUE(Await([&] { return refused == 4; })) << refused;
-}
-
-TEST_F(RemoteParamsTest, MakesARepeatedChangeOnlyOnce) {
-  Offering offering(*robot_.session);
-  const auto ask = other_->Advertise<ParamsQuestion>("params/robot/ask");
-  std::atomic<int> answers{0};
-  const auto listening =
-      other_->FromAny<ParamsAnswer>("params/robot/answer", Invoke::kSerial, [&](const ParamsAnswer& answer) {
-        EXPECT_EQ(answer.refusal(), "");
-        ++answers;
-      });
-  ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 1, kPatience));
-  ASSERT_TRUE(other_->WaitForPublishers("params/robot/answer", 1, kPatience));
-  ParamsQuestion question;
-  question.set_asker(1);
-  question.set_number(1);
-  question.set_create(true);
-  question.add_changes()->set_path("x");
-  question.mutable_changes(0)->set_yaml("1");
+  EXPECT_EQ(made, 0);
+  change("x", "1");
+  ASSERT_TRUE(Await([&] { return made >= 1; }));
+  ASSERT_TRUE(offering_.server.Set("x", 2).ok());
   (void)ask(question);
-  ASSERT_TRUE(Await([&] { return answers >= 1; }));
-  ASSERT_TRUE(offering.server.Set("x", 2).ok());
-  (void)ask(question);
-  ASSERT_TRUE(Await([&] { return answers >= 2; }));
-  EXPECT_EQ(offering.server.Get<int>("x"), 2);
+  ASSERT_TRUE(Await([&] { return made >= 2; }));
+  EXPECT_EQ(offering_.server.Get<int>("x"), 2);
+  EXPECT_EQ(refused, 4);
 }
 
 TEST_F(RemoteParamsTest, EndsTheWaitForASessionThatIsNotThere) {
@@ -405,12 +372,9 @@ bool OneSays(Session& first, Session& second, std::string_view text) {
   });
 }
 
-TEST_F(RemoteParamsTest, ReportsTwoSessionsWithTheSameName) {
+TEST_F(RemoteParamsTest, ReportsTwoServicesWithTheSameName) {
   EXPECT_TRUE(
       OneSays(*robot_.session, *other_.session, "offers parameters under the name \"robot\", as this session does"));
-}
-
-TEST_F(RemoteParamsTest, ReportsASecondServiceOfTheSameSessionAsThat) {
   EXPECT_TRUE(OneSays(*robot_.session, *robot_.session,
                       "This session offers parameters under the name \"robot\" more than once"));
 }
