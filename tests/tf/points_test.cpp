@@ -3,7 +3,6 @@
 
 #include <cstring>
 #include <random>
-#include <string>
 #include <vector>
 
 #include <foxglove/PointCloud.pb.h>
@@ -55,9 +54,9 @@ void Write(Cloud& cloud, std::size_t at, double value) {
   std::memcpy(cloud.writable().data() + at, &scalar, sizeof scalar);
 }
 template <class Scalar>
-double Read(const Cloud& cloud, std::size_t at) {
+double Read(const std::byte* at) {
   Scalar scalar;
-  std::memcpy(&scalar, cloud.bytes().data() + at, sizeof scalar);
+  std::memcpy(&scalar, at, sizeof scalar);
   return static_cast<double>(scalar);
 }
 
@@ -108,11 +107,9 @@ void Check(const Layout& layout) {
       Eigen::Vector3d is;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t place = i * layout.stride + layout.fields[group + k].second;
-        Scalar scalar;
-        std::memcpy(&scalar, before.data() + place, sizeof scalar);
-        was[static_cast<Eigen::Index>(k)] = static_cast<double>(scalar);
-        is[static_cast<Eigen::Index>(k)] = Read<Scalar>(cloud, place);
-        for (std::size_t byte = 0; byte < sizeof scalar; ++byte) touched[place + byte] = true;
+        was[static_cast<Eigen::Index>(k)] = Read<Scalar>(before.data() + place);
+        is[static_cast<Eigen::Index>(k)] = Read<Scalar>(cloud.bytes().data() + place);
+        for (std::size_t byte = 0; byte < sizeof(Scalar); ++byte) touched[place + byte] = true;
       }
       const Eigen::Vector3d expected = group == 0 ? T * (pose * was) : (T.rotation * pose.rotation) * was;
       EXPECT_LT((is - expected).norm(), sizeof(Scalar) == 4 ? 2e-5 : 1e-12);

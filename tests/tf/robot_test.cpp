@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -149,7 +148,11 @@ std::vector<StampedPose> ReadTum() {
 
 // Moves the Fetch robot along a trajectory with its arm moving. Compares its gripper's pose with the product of the
 // parts.
-void DriveFetch(const std::vector<StampedPose>& trajectory) {
+void DriveFetch(const std::string& recorded, std::vector<StampedPose> (&read)()) {
+  if (Recorded("robots/fetch.urdf").empty() || Recorded(recorded).empty()) {
+    GTEST_SKIP() << "HGROS_DATA names no folder with robots/fetch.urdf and " << recorded << ".";
+  }
+  const std::vector<StampedPose> trajectory = read();
   const RobotDescription robot = RobotDescription::FromFile(Recorded("robots/fetch.urdf"));
   TransformTree tree({.buffer = std::chrono::minutes(1)});  // The TUM trajectory has gaps of 12 s.
   ASSERT_TRUE(robot.SetFixed(tree));
@@ -189,19 +192,8 @@ void DriveFetch(const std::vector<StampedPose>& trajectory) {
   EXPECT_FALSE(trajectory.empty());
 }
 
-TEST(Fetch, DrivesAlongTheKittiTrajectory) {
-  if (Recorded("robots/fetch.urdf").empty() || Recorded("trajectories/kitti_00_gt.txt").empty()) {
-    GTEST_SKIP() << "HGROS_DATA names no folder with robots/fetch.urdf and trajectories/kitti_00_*.";
-  }
-  DriveFetch(ReadKitti());
-}
-
-TEST(Fetch, MovesAlongTheTumTrajectory) {
-  if (Recorded("robots/fetch.urdf").empty() || Recorded("trajectories/tum_fr2_desk_gt.txt").empty()) {
-    GTEST_SKIP() << "HGROS_DATA names no folder with robots/fetch.urdf and trajectories/tum_fr2_desk_gt.txt.";
-  }
-  DriveFetch(ReadTum());
-}
+TEST(Fetch, DrivesAlongTheKittiTrajectory) { DriveFetch("trajectories/kitti_00_gt.txt", ReadKitti); }
+TEST(Fetch, MovesAlongTheTumTrajectory) { DriveFetch("trajectories/tum_fr2_desk_gt.txt", ReadTum); }
 
 }  // namespace
 }  // namespace hgros

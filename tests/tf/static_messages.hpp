@@ -20,17 +20,16 @@ class StaticMessages {
  public:
   using Edges = std::map<std::string, double>;
 
-  explicit StaticMessages(Session& session)
-      : messages_(session.FromAny<foxglove::FrameTransforms>(kStaticTransformsChannel, Invoke::kSerial,
-                                                             [this](const foxglove::FrameTransforms& message) {
-                                                               Edges edges;
-                                                               for (const auto& one : message.transforms()) {
-                                                                 edges[one.child_frame_id()] = one.translation().x();
-                                                               }
-                                                               const std::scoped_lock lock(mutex_);
-                                                               all_.push_back(std::move(edges));
-                                                             },
-                                                             {.queue = Queue::KeepAll(1000)})) {}
+  explicit StaticMessages(Session& session) {
+    const auto keep = [this](const foxglove::FrameTransforms& message) {
+      Edges edges;
+      for (const auto& one : message.transforms()) edges[one.child_frame_id()] = one.translation().x();
+      const std::scoped_lock lock(mutex_);
+      all_.push_back(std::move(edges));
+    };
+    messages_ = session.FromAny<foxglove::FrameTransforms>(kStaticTransformsChannel, Invoke::kSerial, keep,
+                                                           {.queue = Queue::KeepAll(1000)});
+  }
   [[nodiscard]] std::vector<Edges> all() const {
     const std::scoped_lock lock(mutex_);
     return all_;

@@ -37,11 +37,6 @@ class MovingEdgeOwners : public testing::Test {
   EdgeOwners::Moment now_{};
 };
 
-TEST_F(MovingEdgeOwners, OneThatTwoSessionsSetInTurnsIsShared) {
-  for (const std::uint32_t by : {1, 2, 1, 2}) EXPECT_FALSE(Set(by));
-  EXPECT_TRUE(Set(1));
-}
-
 TEST_F(MovingEdgeOwners, OneThatASecondSessionSetsNowAndThenIsShared) {
   const auto turn = [this] {
     EXPECT_FALSE(Set(2));

@@ -27,6 +27,9 @@ class Waiting : public testing::Test {
 
 TEST_F(Waiting, ReturnsAtOnceIfTheTransformIsThere) {
   EXPECT_TRUE(tree.Wait(Base(100), 0s));
+  int calls = 0;
+  const auto pending = tree.WhenAvailable(Base(100), [&](const TransformResult&) { ++calls; });
+  EXPECT_EQ(calls, 1);
   EXPECT_EQ(tree.Wait(Base(50), kPatience).fault(), TransformFault::kTooOld) << "That transform can no longer come.";
 }
 
@@ -35,9 +38,6 @@ TEST_F(Waiting, EndsAtItsDeadlineAndReportsWhatIsMissing) {
   EXPECT_EQ(result.fault(), TransformFault::kTimeout);
   EXPECT_THAT(result.text(), HasSubstr("Nothing has come within 0.001 s. There is no transform"));
   EXPECT_EQ(result.failure().newest, Time{100});
-}
-
-TEST_F(Waiting, TakesANegativeTimeoutAsZero) {
   EXPECT_THAT(tree.Wait(Base(200), Duration::min()).text(), HasSubstr("Nothing has come within 0 s. There is no"));
 }
 
@@ -87,13 +87,7 @@ TEST_F(Waiting, CallsBackOnceOnTheThreadThatSets) {
   EXPECT_FALSE(pending.pending());
 }
 
-TEST_F(Waiting, CallsBackAtOnceIfItIsThere) {
-  int calls = 0;
-  const auto pending = tree.WhenAvailable(Base(100), [&](const TransformResult&) { ++calls; });
-  EXPECT_EQ(calls, 1);
-}
-
-TEST_F(Waiting, DoesNotCallBackAfterTheHandleIsGone) {
+TEST_F(Waiting, DoesNotCallBackAfterTheHandleOrTheTreeIsGone) {
   int calls = 0;
   {
     auto first = tree.WhenAvailable(Base(150), [&](const TransformResult&) { ++calls; });
@@ -101,6 +95,13 @@ TEST_F(Waiting, DoesNotCallBackAfterTheHandleIsGone) {
     first = std::move(second);
   }
   tree.Set("map", "base", Time{160}, Shift(3));
+  EXPECT_EQ(calls, 0);
+  PendingTransform outlives;
+  {
+    TransformTree other;
+    outlives = other.WhenAvailable({other.Frame("a"), other.Frame("b")}, [&](const TransformResult&) { ++calls; });
+  }
+  outlives.Cancel();
   EXPECT_EQ(calls, 0);
 }
 
@@ -120,7 +121,7 @@ TEST_F(Waiting, WaitsForACallbackInFlightBeforeTheHandleIsGone) {
   EXPECT_TRUE(left);
 }
 
-TEST_F(Waiting, ACallbackMayUseTheTreeAndItsOwnHandle) {
+TEST_F(Waiting, ACallbackMayUseTheTreeAndItsOwnHandleAndThrow) {
   PendingTransform pending;
   bool set = false;
   pending = tree.WhenAvailable(Base(150), [&](const TransformResult&) {
@@ -130,23 +131,9 @@ TEST_F(Waiting, ACallbackMayUseTheTreeAndItsOwnHandle) {
   tree.Set("map", "base", Time{160}, Shift(3));
   EXPECT_TRUE(set);
   EXPECT_TRUE(tree.Lookup("map", "base", Time{170}));
-}
-
-TEST_F(Waiting, ACallbackThatThrowsDoesNotReachTheSetter) {
-  const auto pending =
-      tree.WhenAvailable(Base(150), [](const TransformResult&) { throw std::runtime_error("as it is meant to"); });
-  EXPECT_NO_THROW(tree.Set("map", "base", Time{160}, Shift(3)));
-}
-
-TEST_F(Waiting, AHandleMayOutliveItsTree) {
-  int calls = 0;
-  PendingTransform pending;
-  {
-    TransformTree other;
-    pending = other.WhenAvailable({other.Frame("a"), other.Frame("b")}, [&](const TransformResult&) { ++calls; });
-  }
-  pending.Cancel();
-  EXPECT_EQ(calls, 0);
+  pending =
+      tree.WhenAvailable(Base(180), [](const TransformResult&) { throw std::runtime_error("as it is meant to"); });
+  EXPECT_NO_THROW(tree.Set("map", "base", Time{190}, Shift(3)));
 }
 
 TEST_F(Waiting, WaitForTheLatestWaitsForTheSlowestEdge) {
