@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "temporary_folder.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace slam2d {
 namespace {
@@ -37,7 +37,7 @@ void WriteGzip(const std::filesystem::path& path, const std::string& text) {
 }
 
 TEST(CarmenLog, ReadsScansInFileOrderEvenIfStampsStepBack) {
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   CarmenLogReader reader(folder.Write("two.clf", kTwoScans));
   const auto first = reader.Next();
   ASSERT_TRUE(first);
@@ -57,7 +57,7 @@ TEST(CarmenLog, ReadsScansInFileOrderEvenIfStampsStepBack) {
 }
 
 TEST(CarmenLog, ReadsGzipLikePlainText) {
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   WriteGzip(folder / "two.clf.gz", kTwoScans);
   CarmenLogReader reader(folder / "two.clf.gz");
   EXPECT_TRUE(reader.Next());
@@ -66,7 +66,7 @@ TEST(CarmenLog, ReadsGzipLikePlainText) {
 }
 
 TEST(CarmenLog, SkipsAndCountsMalformedLinesAndNamesTheFirst) {
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   CarmenLogReader reader(folder.Write("bad.clf",
                                       "FLASER 3 1 2\n"
                                       "FLASER x 1 2 3\n"
@@ -86,8 +86,8 @@ TEST(CarmenLog, SkipsAndCountsMalformedLinesAndNamesTheFirst) {
       << reader.first_malformed();
 }
 
-TEST(CarmenLog, ReportsATruncatedGzipFileCutAnywhere) {
-  const TemporaryFolder folder;
+TEST(CarmenLog, ReportsATruncatedGzipFileCutAnywhereAndADamagedOne) {
+  const hgros::test::ScratchFolder folder;
   std::string text;
   for (int i = 0; i < 300; ++i) {
     text += "FLASER 3 1 2 " + std::to_string(i * 7919 % 1000) + " 0 0 0 0 0 0 " + std::to_string(i) + " h 1\n";
@@ -101,13 +101,6 @@ TEST(CarmenLog, ReportsATruncatedGzipFileCutAnywhere) {
     CarmenLogReader reader(folder / "cut.gz");
     EXPECT_NE(Message(reader).find("truncated"), std::string::npos) << kept << " of " << size << " bytes";
   }
-}
-
-TEST(CarmenLog, ReportsADamagedGzipFile) {
-  const TemporaryFolder folder;
-  std::string text;
-  for (int i = 0; i < 300; ++i) text += "FLASER 2 1 2 0 0 0 0 0 0 " + std::to_string(i * 7919) + " h 1\n";
-  WriteGzip(folder / "whole.gz", text);
   std::fstream file(folder / "whole.gz", std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(40);
   file << "damage damage";
@@ -117,7 +110,7 @@ TEST(CarmenLog, ReportsADamagedGzipFile) {
 }
 
 TEST(CarmenLog, ReportsAMissingFileAnEmptyFileAndAFileWithoutScans) {
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   EXPECT_THROW(CarmenLogReader(folder / "missing.clf"), std::runtime_error);
   CarmenLogReader empty(folder.Write("empty.clf", ""));
   EXPECT_NE(Message(empty).find("has no readable FLASER record among its 0 lines"), std::string::npos);

@@ -43,9 +43,7 @@ SearchResult BruteForce(const LikelihoodField& field, const std::vector<Point2>&
 class MappedStart : public testing::Test {
  protected:
   MappedStart() : field_(map_.options().cell_size_m, 0.08) {
-    SimulationOptions options;
-    options.scans = 25;
-    SimulatedBuilding building(options);
+    SimulatedBuilding building({.scans = 25});
     LaserScan2 scan;
     while (building.Next(scan)) field_.Apply(map_.Integrate(scan, building.true_pose()));
     true_pose_ = building.true_pose();

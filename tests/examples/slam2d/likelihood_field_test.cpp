@@ -52,9 +52,7 @@ TEST(LikelihoodField, UpdatedByDeltasEqualsAFieldOfTheWholeMap) {
 TEST(LikelihoodField, CoarseLevelsAreTheMaximaOfTheirCells) {
   OccupancyMap map;
   LikelihoodField field(map.options().cell_size_m, kSigma_m);
-  SimulationOptions options;
-  options.scans = 40;
-  SimulatedBuilding building(options);
+  SimulatedBuilding building({.scans = 40});
   LaserScan2 scan;
   while (building.Next(scan)) field.Apply(map.Integrate(scan, building.true_pose()));
   const LikelihoodField::Level& fine = field.level(0);

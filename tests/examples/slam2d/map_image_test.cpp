@@ -5,10 +5,12 @@
 
 #include <stdexcept>
 
-#include "temporary_folder.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace slam2d {
 namespace {
+
+const std::vector<PathOverlay> kPaths{{{{0.2, -0.3, 0.0}, {0.2, 0.4, 0.0}}, kCorrectedRgb}};
 
 OccupancyMap OneBeamMap() {
   OccupancyMap map;
@@ -45,11 +47,10 @@ TEST(MapImage, DrawsFreeWhiteOccupiedBlackAndUnknownGray) {
 }
 
 TEST(MapImage, LibpngReadsTheSamePixelsBack) {
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   const OccupancyMap map = OneBeamMap();
-  const std::vector<PathOverlay> paths{{{{0.2, -0.3, 0.0}, {0.2, 0.4, 0.0}}, kCorrectedRgb}};
   const MapImage gray = RenderMap(map);
-  const MapImage color = RenderMap(map, paths);
+  const MapImage color = RenderMap(map, kPaths);
   ASSERT_EQ(color.channels, 3U);
   EXPECT_GT(color.height, gray.height) << "the path leaves the map";
   for (const MapImage& image : {gray, color}) {
@@ -80,8 +81,7 @@ TEST(MapImage, CellsGetAsManyPixelsAsTheEdgeAllows) {
 }
 
 TEST(MapImage, DrawsPathsFinerThanCellsIfACellHasSeveralPixels) {
-  const std::vector<PathOverlay> paths{{{{0.2, -0.3, 0.0}, {0.2, 0.4, 0.0}}, kCorrectedRgb}};
-  const MapImage image = RenderMap(OneBeamMap(), paths, 1000);
+  const MapImage image = RenderMap(OneBeamMap(), kPaths, 1000);
   std::size_t blue = 0;
   for (std::size_t i = 0; i < image.bytes.size(); i += 3) blue += image.bytes[i] == kCorrectedRgb[0] ? 1 : 0;
   // From cell -6 to cell 8, four pixels a cell, two wide, and the ends.
@@ -96,7 +96,7 @@ TEST(MapImage, OfAnEmptyMapIsOneUnknownPixel) {
 }
 
 TEST(MapImage, ThrowsASentenceIfItCannotBeWritten) {
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   try {
     WritePng(RenderMap(OccupancyMap()), folder / "missing/map.png");
     FAIL() << "no error";

@@ -1,10 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <cstdint>
-#include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <hgros/testing/harness.hpp>
@@ -15,7 +11,7 @@
 #include "components/writer.hpp"
 #include "pipeline.hpp"
 #include "simulated_building.hpp"
-#include "temporary_folder.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace slam2d {
 namespace {
@@ -23,10 +19,14 @@ namespace {
 using MapperHarness = hgros::testing::Harness<MapperComponent>;
 using MatcherHarness = hgros::testing::Harness<Matcher>;
 
+// Passes on what `from` has sent since the last time.
+template <class Message>
+void Pass(auto& from, auto& to, std::string_view channel) {
+  for (const auto& one : from.template Take<Message>(channel)) to.Feed(channel, one);
+}
+
 std::vector<msg::MatchedScan> MatchedScans(std::size_t count) {
-  SimulationOptions options;
-  options.scans = count;
-  SimulatedBuilding building(options);
+  SimulatedBuilding building({.scans = count});
   Pipeline pipeline;
   std::vector<msg::MatchedScan> all;
   for (LaserScan2 scan; building.Next(scan);) {
@@ -106,21 +106,18 @@ TEST(MatcherComponent, FollowsAMapperThatGoesOnWithAnOlderMap) {
   const std::vector<msg::MatchedScan> scans = MatchedScans(12);
   MapperHarness mapper;
   MatcherHarness matcher;
-  const auto pass = [](auto& from, auto& to, std::string_view channel, auto type) {
-    for (const auto& one : from.template Take<decltype(type)>(channel)) to.Feed(channel, one);
-  };
   const auto go = [&](MapperHarness& with, std::size_t scan) {
     matcher.Feed(kScan, scans[scan].scan());
-    pass(matcher, with, kPreChannel, msg::MatchedScan());
-    pass(with, matcher, kNextChannel, msg::MapUpdate());
+    Pass<msg::MatchedScan>(matcher, with, kPreChannel);
+    Pass<msg::MapUpdate>(with, matcher, kNextChannel);
   };
-  pass(mapper, matcher, kMapState, msg::MapState());
+  Pass<msg::MapState>(mapper, matcher, kMapState);
   for (std::size_t i = 0; i < 4; ++i) go(mapper, i);
   const auto checkpoint = mapper.Save();
   for (std::size_t i = 4; i < 8; ++i) go(mapper, i);
 
   MapperHarness successor({.state = checkpoint});
-  pass(successor, matcher, kMapState, msg::MapState());
+  Pass<msg::MapState>(successor, matcher, kMapState);
   for (std::size_t i = 8; i < scans.size(); ++i) go(successor, i);
   EXPECT_EQ(matcher.status().state, hgros::ComponentState::kRunning) << matcher.status().sentence;
   EXPECT_EQ(successor->Save().next_scan(), scans.size());
@@ -130,10 +127,7 @@ TEST(MatcherComponent, AMapperThatMovesMayTellOfItselfLate) {
   const std::vector<msg::MatchedScan> scans = MatchedScans(60);
   std::optional<MapperHarness> mapper(std::in_place);
   MatcherHarness matcher;
-  const auto tell = [&] {
-    for (const auto& one : mapper->Take<msg::MapState>(kMapState)) matcher.Feed(kMapState, one);
-  };
-  tell();
+  Pass<msg::MapState>(*mapper, matcher, kMapState);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (i % 20 == 10) mapper.emplace(hgros::testing::HarnessOptions{.state = mapper->Save()});
     matcher.Feed(kScan, scans[i].scan());
@@ -141,8 +135,8 @@ TEST(MatcherComponent, AMapperThatMovesMayTellOfItselfLate) {
     ASSERT_EQ(matched.size(), 1U) << i;
     ASSERT_EQ(matched[0]->match().SerializeAsString(), scans[i].match().SerializeAsString()) << i;
     mapper->Feed(kPreChannel, *matched[0]);
-    for (const auto& one : mapper->Take<msg::MapUpdate>(kNextChannel)) matcher.Feed(kNextChannel, one);
-    tell();
+    Pass<msg::MapUpdate>(*mapper, matcher, kNextChannel);
+    Pass<msg::MapState>(*mapper, matcher, kMapState);
   }
 }
 
@@ -151,10 +145,10 @@ TEST(MatcherComponent, FollowsTheMapperThatAnswersLast) {
   const std::vector<msg::MatchedScan> scans = MatchedScans(30);
   MapperHarness mapper;
   MatcherHarness matcher;
-  for (const auto& one : mapper.Take<msg::MapState>(kMapState)) matcher.Feed(kMapState, one);
+  Pass<msg::MapState>(mapper, matcher, kMapState);
   const auto answer = [&](MapperHarness& with, std::size_t scan) {
     with.Feed(kPreChannel, scans[scan]);
-    for (const auto& one : with.Take<msg::MapUpdate>(kNextChannel)) matcher.Feed(kNextChannel, one);
+    Pass<msg::MapUpdate>(with, matcher, kNextChannel);
   };
   std::optional<hgros::testing::HarnessOptions> checkpoint;
   for (std::size_t i = 0; i < 20; ++i) {
@@ -172,12 +166,12 @@ TEST(MatcherComponent, FollowsTheMapperThatAnswersLast) {
 
 TEST(WriterComponent, FollowsAMapperThatGoesOnWithAnOlderMap) {
   const std::vector<msg::MatchedScan> scans = MatchedScans(60);
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   hgros::testing::Harness<Writer> writer({.params = "out: " + (folder / "out").string()});
   std::optional<MapperHarness> mapper(std::in_place);
   const auto draw = [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i <= last; ++i) mapper->Feed(kPreChannel, scans[i]);
-    for (const auto& one : mapper->Take<msg::MapUpdate>(kNextChannel)) writer.Feed(kNextChannel, one);
+    Pass<msg::MapUpdate>(*mapper, writer, kNextChannel);
   };
   draw(0, 20);
   const auto checkpoint = mapper->Save();
@@ -188,7 +182,7 @@ TEST(WriterComponent, FollowsAMapperThatGoesOnWithAnOlderMap) {
   end.mutable_scan()->set_sequence(scans.size());
   end.mutable_scan()->set_end_of_log(true);
   mapper->Feed(kPreChannel, end);
-  for (const auto& one : mapper->Take<msg::MapUpdate>(kNextChannel)) writer.Feed(kNextChannel, one);
+  Pass<msg::MapUpdate>(*mapper, writer, kNextChannel);
   const auto done = writer.Take<msg::Done>(kDone);
   ASSERT_EQ(done.size(), 1U);
   EXPECT_EQ(done[0]->scans(), scans.size());
@@ -201,7 +195,7 @@ TEST(MatcherComponent, IgnoresAnUpdateThatIsSentAgain) {
   const std::vector<msg::MatchedScan> scans = MatchedScans(2);
   MapperHarness mapper;
   MatcherHarness matcher;
-  for (const auto& one : mapper.Take<msg::MapState>(kMapState)) matcher.Feed(kMapState, one);
+  Pass<msg::MapState>(mapper, matcher, kMapState);
   matcher.Feed(kScan, scans[0].scan());
   mapper.Feed(kPreChannel, scans[0]);
   const auto update = mapper.Take<msg::MapUpdate>(kNextChannel).front();

@@ -3,19 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <stdexcept>
 
-#include "temporary_folder.hpp"
+#include "support/scratch_folder.hpp"
+#include "trajectory_file.hpp"
 
 namespace slam2d {
 namespace {
 
-ScanMatch At(double stamp, const Pose2& pose) {
-  ScanMatch match;
-  match.stamp_seconds = stamp;
-  match.T_map_laser = pose;
-  return match;
-}
+ScanMatch At(double stamp, const Pose2& pose) { return {.stamp_seconds = stamp, .T_map_laser = pose}; }
 
 TEST(RelationsError, EqualsTheValuesComputedByHand) {
   // The robot faces +y, so 2 m further in y are 2 m straight ahead.
@@ -44,7 +41,7 @@ TEST(RelationsError, UsesTheNearestStampWithinTheTolerance) {
 }
 
 TEST(RelationsError, ReadsRelationsAndNamesABadLine) {
-  const TemporaryFolder folder;
+  const hgros::test::ScratchFolder folder;
   const auto good = ReadRelations(folder.Write("good", "1.5 2.5 0.1 0.2 0 0 0 0.3\n\n"));
   ASSERT_EQ(good.size(), 1U);
   EXPECT_EQ(good[0].stamp_2_seconds, 2.5);
@@ -56,6 +53,27 @@ TEST(RelationsError, ReadsRelationsAndNamesABadLine) {
     EXPECT_NE(std::string(error.what()).find("bad:2:"), std::string::npos) << error.what();
   }
   EXPECT_THROW((void)ReadRelations(folder / "missing"), std::runtime_error);
+}
+
+TEST(TrajectoryFile, ReadsBackExactly) {
+  const hgros::test::ScratchFolder folder;
+  const ScanMatch match = At(976052890.21347904, {0.1 + 0.2, -1.0 / 3.0, 2.5});
+  WriteTrajectory(std::vector{match, match}, folder / "trajectory.txt");
+  std::ifstream file(folder / "trajectory.txt");
+  for (int line = 0; line < 2; ++line) {
+    double v[8];
+    for (double& number : v) ASSERT_TRUE(file >> number);
+    const double expected[] = {match.stamp_seconds, match.T_map_laser.x, match.T_map_laser.y, 0, 0, 0,
+                               std::sin(1.25),      std::cos(1.25)};
+    for (int i = 0; i < 8; ++i) EXPECT_EQ(v[i], expected[i]) << i;
+  }
+  double more = 0.0;
+  EXPECT_FALSE(file >> more);
+}
+
+TEST(TrajectoryFile, ThrowsASentenceIfItCannotBeWritten) {
+  const hgros::test::ScratchFolder folder;
+  EXPECT_THROW(WriteTrajectory({}, folder / "missing/trajectory.txt"), std::runtime_error);
 }
 
 }  // namespace

@@ -14,9 +14,7 @@ namespace {
 class OldRoom : public testing::Test {
  protected:
   OldRoom() : detector_({}, map_.options().cell_size_m, 0.08) {
-    SimulationOptions options;
-    options.scans = 25;
-    SimulatedBuilding building(options);
+    SimulatedBuilding building({.scans = 25});
     LaserScan2 scan;
     while (building.Next(scan)) detector_.Apply(map_.Integrate(scan, building.true_pose()), 0.0);
     true_pose_ = building.true_pose();
@@ -31,10 +29,14 @@ class OldRoom : public testing::Test {
   std::vector<Point2> points_;
 };
 
-TEST_F(OldRoom, RevisitDetectorFindsNothingBeforeTheLagHasPassed) {
+TEST_F(OldRoom, RevisitDetectorFindsNothingBeforeTheLagHasPassedAndInNewSurroundings) {
   LeaveFor(10.0);
   EXPECT_TRUE(detector_.old_field().empty());
   EXPECT_FALSE(detector_.Check(points_, true_pose_ * Pose2{0.5, 0.4, 0.0}, 10.0).doubtful);
+  LeaveFor(40.0);
+  const auto verdict = detector_.Check(points_, {200.0, 100.0, 0.0}, 40.0);
+  EXPECT_FALSE(verdict.doubtful);
+  EXPECT_FALSE(verdict.T_map_laser);
 }
 
 TEST_F(OldRoom, RevisitDetectorAgreesWithAPoseThatHasNotDrifted) {
@@ -61,28 +63,17 @@ TEST_F(OldRoom, RevisitDetectorCorrectsADriftAfterFindingItSeveralTimes) {
   }
 }
 
-TEST_F(OldRoom, RevisitDetectorDoesNotRecognizeNewSurroundings) {
-  LeaveFor(40.0);
-  const auto verdict = detector_.Check(points_, {200.0, 100.0, 0.0}, 40.0);
-  EXPECT_FALSE(verdict.doubtful);
-  EXPECT_FALSE(verdict.T_map_laser);
-}
-
 TEST_F(OldRoom, RevisitDetectorTakesNewOptionsInTheMiddleOfASearch) {
   LeaveFor(40.0);
   const Pose2 drifted = true_pose_ * Pose2{0.5, 0.4, 0.05};
   EXPECT_TRUE(detector_.Check(points_, drifted, 40.3).doubtful);
-  RevisitOptions options;
-  options.confirmations = 2;
-  detector_.SetOptions(options);
+  detector_.SetOptions({.confirmations = 2});
   EXPECT_TRUE(detector_.Check(points_, drifted, 40.6).T_map_laser);
 }
 
 TEST_F(OldRoom, RevisitDetectorKeepsItsOldMapWhenTheLagGrows) {
   LeaveFor(40.0);
-  RevisitOptions options;
-  options.lag_m = 1000.0;
-  detector_.SetOptions(options);
+  detector_.SetOptions({.lag_m = 1000.0});
   LeaveFor(41.0);
   EXPECT_FALSE(detector_.old_field().empty());
 }

@@ -69,10 +69,7 @@ void TryAllBounds(const Run& run) {
 
 void Follow(const std::string& what, const MatcherOptions& matcher, const MapOptions& map) {
   SCOPED_TRACE(what);
-  SimulationOptions simulation;
-  simulation.scans = 12;
-  simulation.beams = 45;
-  SimulatedBuilding building(simulation);
+  SimulatedBuilding building({.scans = 12, .beams = 45});
   Pipeline pipeline(matcher, map);
   LaserScan2 scan;
   while (building.Next(scan)) pipeline.Add(scan);
