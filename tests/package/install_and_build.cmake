@@ -4,9 +4,11 @@ set(prefix ${SCRATCH}/prefix)
 set(build ${SCRATCH}/build)
 file(REMOVE_RECURSE ${SCRATCH})
 set(ENV{DESTDIR})
+function(run)  # A command that must succeed.
+  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
 
-execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --strip
-  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --strip)
 
 # Components of tests and examples are not part of it, only the finder of those in Python.
 file(GLOB_RECURSE manifests ${prefix}/share/hgros/components/*)
@@ -44,17 +46,16 @@ if(symbols)
   message(FATAL_ERROR "libhgros.so exports names outside hgros:\n  ${symbols}")
 endif()
 
-execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${build} -D CMAKE_CXX_COMPILER=${COMPILER}
-    -D CMAKE_PREFIX_PATH=${prefix} -D HGROS_WANTED_VERSION=${VERSION} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
-  COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${build} COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${build}/consumer COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${build}/robot COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${build}/shop COMMAND_ERROR_IS_FATAL ANY)
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${build} -D CMAKE_CXX_COMPILER=${COMPILER}
+    -D CMAKE_PREFIX_PATH=${prefix} -D HGROS_WANTED_VERSION=${VERSION} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+run(${CMAKE_COMMAND} --build ${build})
+run(${build}/consumer)
+run(${build}/robot)
+run(${build}/shop)
 
 # Components are checked when they are built, and found once they are installed, wherever that is.
 set(robot ${SCRATCH}/robot)
-execute_process(COMMAND ${CMAKE_COMMAND} --install ${build} --prefix ${robot} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+run(${CMAKE_COMMAND} --install ${build} --prefix ${robot})
 foreach(folder IN ITEMS ${build}/share/hgros/components ${robot}/share/hgros/components)
   execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${folder} ${prefix}/bin/hgros components words/Counter
     OUTPUT_VARIABLE shown COMMAND_ERROR_IS_FATAL ANY)
@@ -72,25 +73,22 @@ if(python_packages)
 endif()
 
 # The programs start from their install folder.
-execute_process(COMMAND ${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+run(${prefix}/bin/hgros-keygen ${SCRATCH}/robot.key)
 
 # The examples, too, need only the package.
 set(examples ${SCRATCH}/examples)
-execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES} -B ${examples} -D CMAKE_CXX_COMPILER=${COMPILER}
-    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Debug -D CMAKE_UNITY_BUILD=ON -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
-  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${examples} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${examples}/share/hgros/components
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES} -B ${examples} -D CMAKE_CXX_COMPILER=${COMPILER}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Debug -D CMAKE_UNITY_BUILD=ON -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+run(${CMAKE_COMMAND} --build ${examples})
+run(${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${examples}/share/hgros/components
     ${prefix}/bin/hgros run ${EXAMPLES}/slam2d/three_processes.yaml --set source.params.scans=50
-    --set writer.params.out=${SCRATCH}/slam2d_out
-  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+    --set writer.params.out=${SCRATCH}/slam2d_out)
 
 # Those in C need no C++ compiler, and no CMake.
 set(c_examples ${SCRATCH}/c_examples)
-execute_process(COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES}/c -B ${c_examples} -D CMAKE_C_COMPILER=${C_COMPILER}
-    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF
-  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${c_examples} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${EXAMPLES}/c -B ${c_examples} -D CMAKE_C_COMPILER=${C_COMPILER}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+run(${CMAKE_COMMAND} --build ${c_examples})
 file(GLOB_RECURSE pc ${prefix}/*/hgros_c.pc)
 cmake_path(GET pc PARENT_PATH pc_folder)
 set(ENV{PKG_CONFIG_PATH} ${pc_folder})
@@ -99,8 +97,7 @@ execute_process(COMMAND pkg-config --cflags --libs hgros_c OUTPUT_VARIABLE flags
 separate_arguments(flags UNIX_COMMAND "${flags}")
 file(GLOB_RECURSE c_library ${prefix}/*/libhgros_c.so)
 cmake_path(GET c_library PARENT_PATH c_folder)
-execute_process(COMMAND ${C_COMPILER} -std=c99 ${EXAMPLES}/c/service.c ${flags} -Wl,-rpath,${c_folder} -o ${SCRATCH}/service
-  COMMAND_ERROR_IS_FATAL ANY)
+run(${C_COMPILER} -std=c99 ${EXAMPLES}/c/service.c ${flags} -Wl,-rpath,${c_folder} -o ${SCRATCH}/service)
 foreach(program IN ITEMS ${c_examples}/service ${SCRATCH}/service)
   execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_DOMAIN=none ${program} OUTPUT_VARIABLE shown COMMAND_ERROR_IS_FATAL ANY)
   if(NOT shown STREQUAL "2 + 40 = 42\n")
