@@ -19,7 +19,7 @@ TEST_P(LifetimeOnEveryExecutor, DestroyingASubscriptionWaitsForItsCallbackAndRun
   std::jthread publisher([&] {
     while (!stop) (void)publish(std::make_unique<int>(1));
   });
-  for (int round = 0; round < 100; ++round) {
+  for (int round = 0; round < test::Rounds(25, 100); ++round) {
     auto alive = std::make_unique<std::atomic<bool>>(true);
     auto subscription = graph.FromGraph<int>(
         "c", round % 2 == 0 ? Invoke::kSerial : Invoke::kConcurrent,

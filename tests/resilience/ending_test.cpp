@@ -19,6 +19,7 @@
 #include "resilience/places.hpp"
 #include "support/await.hpp"
 #include "support/path.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::resilience {
 namespace {
@@ -28,12 +29,6 @@ using test::Await;
 using test::kPatience;
 
 constexpr int kStatus = 7;  // Of the worker.
-
-/// HGROS_ENDINGS=20 for a longer run.
-int Rounds() {
-  const char* const rounds = std::getenv("HGROS_ENDINGS");
-  return rounds == nullptr ? 2 : std::atoi(rounds);
-}
 
 struct Ending {
   std::string owner;
@@ -93,7 +88,7 @@ TEST(EndingInACallback, KeepsTheExitStatus) {
   for (const Ending& ending : endings) {
     SCOPED_TRACE(ending.owner + " " + ending.end + " " + ending.kind);
     std::list<Worker> workers;
-    for (int round = 0; round < Rounds(); ++round) workers.emplace_back(ending);
+    for (int round = 0; round < test::Rounds(2, 20); ++round) workers.emplace_back(ending);
     for (Worker& worker : workers) {
       ASSERT_EQ(worker.Result(), std::to_string(kStatus)) << worker.Errors();
       EXPECT_EQ(worker.Output(), "ending\nstatic object ended\n");

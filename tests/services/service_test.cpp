@@ -3,6 +3,7 @@
 #include <set>
 
 #include "services/services_fixture.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::test {
 namespace {
@@ -152,7 +153,7 @@ TEST_F(Services, CountUnhandledRequestsAndDroppedReplies) {
 TEST_F(Services, NeverSendCallsThatFailWithNoServer) {
   Pair pair(PlacesOf("sharedmemory"));
   std::mt19937 random(7);
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < test::Rounds(5, 20); ++round) {
     const std::string name = "add" + std::to_string(round);
     std::mutex mutex;
     std::set<int> handled;
@@ -237,7 +238,7 @@ TEST_F(Services, CountRequestsThatTimedOutBeforeTheirTurn) {
 }
 
 TEST_F(Services, AcceptCallsThatAreMadeWhileTheyStart) {
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < test::Rounds(5, 20); ++round) {
     const Places places = PlacesOf("ipc");  // Over an endpoint a call waits for a server until its timeout.
     const Robot robot(places.first);
     std::atomic<int> replies{0};

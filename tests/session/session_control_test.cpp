@@ -371,7 +371,7 @@ TEST_F(SteeredSession, AnswersOfOthersComeIfOneSessionIsGone) {
   const auto two = second->Advertise<Note>("notes");
   const std::array asked{robot->id(), SessionId{1}, second->id()};
   const auto answers =
-      AskSessions(*desk.session, asked, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(10));
+      AskSessions(*desk.session, asked, ForChannel(ControlAction::kClose, "notes"), std::chrono::seconds(5));
   ASSERT_EQ(answers.size(), 3U);
   EXPECT_TRUE(answers[0].answered);
   EXPECT_FALSE(answers[1].answered);

@@ -3,6 +3,7 @@
 
 #include "conformance/tcp_forwarder.hpp"
 #include "session/observed_fixture.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::test {
 namespace {
@@ -33,7 +34,7 @@ class SessionEnd : public ObservedFixture {
 INSTANTIATE_TEST_SUITE_P(Transports, SessionEnd, testing::Values("sharedmemory", "ipc", "tcp"), TransportName);
 
 TEST_P(SessionEnd, LosslessSubscribersGetWhatWasPublishedJustBefore) {
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < test::Rounds(8, 40); ++round) {
     Robot& talker = MakeTalker();
     Robot& listener = MakeListener();
     Notes notes;

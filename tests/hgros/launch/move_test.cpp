@@ -261,7 +261,7 @@ TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
   RemoteParams params(desk.session(), "passing");
   std::mt19937 random(11);
   int last = 0;
-  for (int round = 0; round < 24; ++round) {
+  for (int round = 0; round < test::Rounds(8, 24); ++round) {
     const std::string to = std::vector<std::string>{"a", "b", "c"}[random() % 3];
     const bool moves = round % 2 == 0;
     const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(random() % 80'000);

@@ -59,10 +59,11 @@ TEST(HgrosRun, OnlyYamlDiffersBetweenOneProcessAndThreeThatRunUntilAllHaveFinish
   for (int round = 0; round < 5; ++round) (void)run(three, "a", "b");
 }
 
-TEST(HgrosRun, CutsLinesOfTheLogThatAreVeryLong) {
+TEST(HgrosRun, CutsLinesOfTheLogThatAreVeryLongAndEndsInOrderIfASignalComesTwice) {
   RunningRobot robot("components: {a: {type: relay/Does, params: {what: log much}}}\n");
   EXPECT_TRUE(robot.Prints(" ... and 73334784 bytes more."));
-  robot.End();
+  robot.Signal(SIGTERM);
+  robot.End(SIGTERM);  // A signal that comes twice within a moment ends in order.
   EXPECT_THAT(robot.out(), HasSubstr("I end."));
 }
 
@@ -250,7 +251,7 @@ TEST(HgrosRun, ShowsLogsWithTheComponentsName) {
                     HasSubstr("main  printed, and\n"), HasSubstr("says  hello"), HasSubstr("says  back\\rand\n")));
 }
 
-TEST(HgrosRun, EndsInReverseOrderAlsoIfASignalComesTwice) {
+TEST(HgrosRun, EndsInReverseOrder) {
   RunningRobot robot(
       "components: {a: {type: relay/Does}, b: {type: relay/Does}, c: {type: relay/Does}}\n"
       "processes: {p: {components: [c]}, q: {components: [a]}, r: {components: [b]}}\n"
@@ -260,8 +261,7 @@ TEST(HgrosRun, EndsInReverseOrderAlsoIfASignalComesTwice) {
   ASSERT_TRUE(robot.Prints("waits  ready"));
   const std::vector<pid_t> pids = PidsIn(robot.out());
   ASSERT_EQ(pids.size(), 4U) << robot.out();
-  robot.Signal(SIGTERM);
-  robot.End(SIGTERM);
+  robot.End();
   const std::string out = robot.out();
   EXPECT_LT(out.find("goodbye"), out.find("b      I end."));
   EXPECT_LT(out.find("b      I end."), out.find("a      I end."));
@@ -443,6 +443,7 @@ TEST(HgrosRun, ReportsFailuresWithTheLastLines) {
   EXPECT_THAT(end.out, AllOf(HasSubstr("p     error: The process has failed: it was ended by SIGABRT."),
                              HasSubstr("The last lines of \"p\":\n"), HasSubstr("b     It has finished: enough"),
                              HasSubstr("it ended with exit code 0, but its components had not ended.")));
+  EXPECT_EQ(robot.Run({"--except", "p"}).status, 1) << "Code 0, but too early.";
 }
 
 TEST(HgrosRun, AnEssentialFailureEndsTheRobot) {

@@ -28,9 +28,11 @@ final class Expect {
   /** Runs the tests of a class one after the other. */
   public static void main(String[] arguments) throws ReflectiveOperationException {
     int failed = 0;
+    int run = 0;
     for (Method test : Class.forName(arguments[0]).getDeclaredMethods()) {
       if (Modifier.isPublic(test.getModifiers())) {
         domain = "java-" + test.getName();
+        run++;
         try {
           test.invoke(null);
           System.out.println("PASS " + test.getName());
@@ -41,8 +43,8 @@ final class Expect {
         }
       }
     }
-    System.out.println(failed + " failed");
-    System.exit(failed == 0 ? 0 : 1); // Also if a test has left a thread.
+    System.out.println(run + " run, " + failed + " failed");
+    System.exit(failed == 0 && run > 0 ? 0 : 1); // Also if a test has left a thread.
   }
 
   /** The action of a test that may throw. */

@@ -126,6 +126,7 @@ class InMemory(ViewerCase):
                 self.read_until(viewer, lambda figures: float(figures["points"]) > 0)
                 self.end(viewer)
                 self.assertGreater(colorful(self.picture()), share)
+                self.picture().unlink()
                 publisher.kill()
                 publisher.wait()
 
