@@ -61,6 +61,10 @@ TEST_F(TimerQueueTest, StartsAtTheRequestedDelay) {
   queue_.Settle();
   ASSERT_EQ(ticks_.size(), 1U);
   EXPECT_EQ(ticks_[0].planned, kAtZero);
+  const Timer long_ago = queue_.At(kAtZero - 1h, Noting());
+  queue_.Settle();
+  ASSERT_EQ(ticks_.size(), 2U);
+  EXPECT_EQ(ticks_[1].planned, kAtZero - 1h);
 }
 
 TEST_F(TimerQueueTest, SkipsOrCatchesUpAsConfigured) {

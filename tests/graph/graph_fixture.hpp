@@ -109,7 +109,7 @@ inline void InThreads(int threads, int each, const std::function<void(int, int)>
 
 /// Keeps the messages of a subscription.
 template <class T>
-class Kept {
+class KeptMessages {
  public:
   void operator()(const std::shared_ptr<const T>& message) {
     const std::scoped_lock lock(mutex_);

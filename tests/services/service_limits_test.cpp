@@ -135,10 +135,10 @@ TEST_F(MissingDirection, OutOfTheServerIsToldOnBothSidesAndKeepsNoReplies) {
   Robot caller(Lists("b", "", "a", ""), "caller");
   const Service service = server->Serve<Sum, Total>("add", Add);
   ASSERT_TRUE(IsReached(caller));
-  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(1)).Wait();
+  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
   EXPECT_EQ(result.failure().kind, Kind::kTimedOut);
   EXPECT_EQ(result.failure().reason,
-            "Service \"add\" did not reply within 1000 ms. Nobody offers its replies here. If the server runs, check "
+            "Service \"add\" did not reply within 2000 ms. Nobody offers its replies here. If the server runs, check "
             "that a subscriber endpoint here reaches its publisher endpoint, and that \"hgros/call/add\" is in their "
             "lists of channels.");
   EXPECT_TRUE(Await([&] { return server->Snapshot().services.at(0).dropped_replies == 1; }));
@@ -153,9 +153,9 @@ TEST_F(MissingDirection, IntoTheCallerIsTold) {
   Robot caller(Lists("b", "", "a", "scan"), "caller");
   const Service service = server->Serve<Sum, Total>("add", Add);
   ASSERT_TRUE(IsReached(caller));
-  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(1)).Wait();
+  const auto result = caller->Call<Sum, Total>("add", Sum{2, 3}, std::chrono::seconds(2)).Wait();
   EXPECT_EQ(result.failure().reason,
-            "Service \"add\" did not reply within 1000 ms. Replies cannot reach this session: no subscriber endpoint "
+            "Service \"add\" did not reply within 2000 ms. Replies cannot reach this session: no subscriber endpoint "
             "has \"hgros/call/add\" in its list of channels. Add it.");
   EXPECT_TRUE(Await([&] { return server.Said("That session does not subscribe to its replies: "); }));
 }

@@ -138,6 +138,8 @@ TEST_P(ServiceOverEveryTransport, EndsEveryCallAlthoughTheServiceIsServedAgainAt
     EXPECT_FALSE(service.active());
     service = pair->server().Serve<Sum, Total>("add", [life](const Sum& sum) { return Total{sum.a + sum.b + life}; });
     EXPECT_TRUE(Await([&] { return newest == 5 + life || lost > 0; })) << life;
+    const auto next = pair->caller().Call<Sum, Total>("add", Sum{2, 3}, kLost).Wait();
+    EXPECT_TRUE(!next || next->value == 5 + life) << life;
   }
   stop = true;
   caller.join();

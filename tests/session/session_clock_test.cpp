@@ -196,7 +196,8 @@ TEST_F(SessionClock, LatestStateReachesASubscriberThatHadNoRoom) {
   const ClockPublisher publisher(*simulation.session, clock);
   const auto channel = [&] {
     const auto channels = simulation->Snapshot().graph.channels;
-    return *std::ranges::find(channels, kClockChannel, &ChannelSnapshot::name);
+    const auto found = std::ranges::find(channels, kClockChannel, &ChannelSnapshot::name);
+    return found == channels.end() ? ChannelSnapshot() : *found;
   };
   for (std::uint64_t said = 1; channel().refused == 0; ++said) {
     ASSERT_TRUE(Await([&] { return channel().published + channel().refused >= said; }));

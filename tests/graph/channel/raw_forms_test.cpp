@@ -18,7 +18,7 @@ using foxglove::Vector3;
 
 constexpr Invoke kSerial = Invoke::kSerial;
 
-using KeptRaw = Kept<RawMessage>;
+using KeptRaw = KeptMessages<RawMessage>;
 
 Subscription Raw(DataGraph& graph, std::string_view channel, KeptRaw& kept, NodeOptions options = {}) {
   return graph.Subscribe(graph.Open(channel, AnyType(), CallSite::Current()), AnyType(), kSerial,
@@ -62,7 +62,7 @@ TEST(RawForms, RawNodesGetTheBytesThatWouldBeSentEncodedOnceForAll) {
   for (const Executor& executor : AllExecutors()) {
     DataGraph graph;
     std::array<KeptRaw, 3> kept;
-    Kept<Vector3> typed;
+    KeptMessages<Vector3> typed;
     std::vector<Subscription> subscriptions;
     for (KeptRaw& one : kept) subscriptions.push_back(Raw(graph, "v", one, Options(executor)));
     subscriptions.push_back(graph.FromGraph<Vector3>("v", kSerial, std::ref(typed), Options(executor)));
@@ -169,7 +169,7 @@ TEST(RawForms, RawNodeDoesNotFixTheTypeOfTheChannel) {
 TEST(RawForms, TypedNodesGetRemoteBytesDecoded) {
   DataGraph graph;
   KeptRaw raw;
-  Kept<Vector3> typed;
+  KeptMessages<Vector3> typed;
   const auto one = Raw(graph, "v", raw);
   const AnyMessage first = Arrived(VectorSchema(), Vector(1).SerializeAsString());
   ASSERT_TRUE(Inject(graph, "v", first));
@@ -187,7 +187,7 @@ TEST(RawForms, TypedNodesGetNoMessagesOfAnotherType) {
   Heard heard;
   DataGraph graph({}, heard.MakeLog());
   KeptRaw raw;
-  Kept<Vector3> typed;
+  KeptMessages<Vector3> typed;
   const auto one = Raw(graph, "v", raw);
   const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed), {.name = "typed"});
   ASSERT_TRUE(Inject(graph, "v", Arrived(std::make_shared<const MessageSchema>(SchemaOf(TypeOf<Point3>())), "")));
@@ -202,7 +202,7 @@ TEST(RawForms, TypedNodesGetNoMessagesOfAnotherType) {
 TEST(RawForms, LateRawNodeGetsLatchedRemoteBytesAndLocalMessages) {
   DataGraph graph;
   KeptRaw raw, late;
-  Kept<Vector3> typed;
+  KeptMessages<Vector3> typed;
   const auto one = Raw(graph, "v", raw);
   ASSERT_TRUE(Inject(graph, "v", Arrived(VectorSchema(), Vector(3).SerializeAsString()), 1));
   const auto two = graph.FromGraph<Vector3>("v", kSerial, std::ref(typed));
@@ -224,8 +224,8 @@ TEST(RawForms, PlainBulkAndRawSubscribersShareOneChannel) {
   using Image = foxglove::RawImage;
   DataGraph graph;
   KeptRaw raw;
-  Kept<Image> plain;
-  Kept<Bulk<Image>> bulk;
+  KeptMessages<Image> plain;
+  KeptMessages<Bulk<Image>> bulk;
   const auto one = Raw(graph, "image", raw);
   const auto two = graph.FromGraph<Image>("image", kSerial, std::ref(plain));
   const auto three = graph.FromGraph<Bulk<Image>>("image", kSerial, std::ref(bulk));
@@ -268,7 +268,7 @@ TEST(RawForms, NodesCanBeAddedDuringPublishing) {
     std::jthread publishes([&] {
       for (int i = 0; i < 200; ++i) ASSERT_EQ(graph.ToGraph("v", Sent(1)), PublishStatus::kOk);
     });
-    std::vector<Kept<Vector3>> typed(5);
+    std::vector<KeptMessages<Vector3>> typed(5);
     std::vector<Subscription> subscriptions;
     for (auto& one : typed) {
       subscriptions.push_back(

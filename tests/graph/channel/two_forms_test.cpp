@@ -34,7 +34,7 @@ std::string TextOf(const RawImage& image) { return image.data(); }
 std::string TextOf(const BulkImage& image) { return std::string(AsText(image.bytes())); }
 
 template <class T>
-std::vector<std::string> TextsOf(const Kept<T>& kept) {
+std::vector<std::string> TextsOf(const KeptMessages<T>& kept) {
   std::vector<std::string> texts;
   for (const auto& message : kept.messages()) texts.push_back(TextOf(*message));
   return texts;
@@ -45,8 +45,8 @@ ChannelSnapshot Only(const DataGraph& graph) { return graph.Snapshot().channels.
 TEST(TwoForms, EachSubscriberGetsTheTypeItAskedFor) {
   for (const Executor& executor : AllExecutors()) {
     DataGraph graph;
-    Kept<RawImage> plain;
-    Kept<BulkImage> bulk;
+    KeptMessages<RawImage> plain;
+    KeptMessages<BulkImage> bulk;
     const auto one = graph.FromGraph<RawImage>("image", kSerial, std::ref(plain), Options(executor));
     const auto two = graph.FromGraph<BulkImage>("image", kSerial, std::ref(bulk), Options(executor));
     ASSERT_EQ(graph.ToGraph("image", MakePlain("a")), PublishStatus::kOk);
@@ -61,8 +61,8 @@ TEST(TwoForms, EachSubscriberGetsTheTypeItAskedFor) {
 
 TEST(TwoForms, SubscriberOfThePublishedTypeGetsTheSameObject) {
   DataGraph graph;
-  Kept<RawImage> plain;
-  Kept<BulkImage> bulk;
+  KeptMessages<RawImage> plain;
+  KeptMessages<BulkImage> bulk;
   const auto one = graph.FromGraph<RawImage>("image", kSerial, std::ref(plain));
   const auto two = graph.FromGraph<BulkImage>("image", kSerial, std::ref(bulk));
   auto sent_bulk = MakeBulk("a");
@@ -82,7 +82,7 @@ TEST(TwoForms, ConvertsAMessageOnceForAllSubscribers) {
   for (const Executor& executor : AllExecutors()) {
     DataGraph graph(Workers(4));
     constexpr std::size_t kNodes = 6, kMessages = 50;
-    std::vector<Kept<RawImage>> kept(kNodes);
+    std::vector<KeptMessages<RawImage>> kept(kNodes);
     std::vector<Subscription> subscriptions;
     for (auto& one : kept) {
       subscriptions.push_back(
@@ -102,7 +102,7 @@ TEST(TwoForms, ConvertsAMessageOnceForAllSubscribers) {
 
 TEST(TwoForms, ConvertsNothingWithoutASubscriberOfTheOtherType) {
   DataGraph graph;
-  Kept<BulkImage> bulk;
+  KeptMessages<BulkImage> bulk;
   const auto subscription = graph.FromGraph<BulkImage>("image", kSerial, std::ref(bulk));
   (void)graph.Advertise<RawImage>("image");
   const auto publish = graph.Advertise<BulkImage>("image");
@@ -145,7 +145,7 @@ TEST(TwoForms, LatchedMessagesReachLateNodesOfTheOtherType) {
   DataGraph graph;
   const auto publish = graph.Advertise<RawImage>("image", 2);
   for (const char* text : {"a", "b", "c"}) publish(MakePlain(text));
-  Kept<BulkImage> first, second;
+  KeptMessages<BulkImage> first, second;
   const auto one = graph.FromGraph<BulkImage>("image", kSerial, std::ref(first));
   const auto two = graph.FromGraph<BulkImage>("image", kSerial, std::ref(second));
   ASSERT_TRUE(WaitIdle(graph));
@@ -192,8 +192,8 @@ TEST(TwoForms, ByteLimitCountsThePublishedType) {
 TEST(TwoForms, LogsAndCountsFailedConversions) {
   Heard heard;
   DataGraph graph({}, heard.MakeLog());
-  Kept<RawImage> plain;
-  Kept<BulkImage> bulk;
+  KeptMessages<RawImage> plain;
+  KeptMessages<BulkImage> bulk;
   const auto one = graph.FromGraph<RawImage>("image", kSerial, std::ref(plain), {.name = "viewer"});
   const auto two = graph.FromGraph<BulkImage>("image", kSerial, std::ref(bulk));
   auto contradiction = MakeBulk("these");
@@ -253,8 +253,8 @@ TEST(TwoForms, RemoteMessagesAreDecodedForTheNodeThatReadsInPlace) {
   DataGraph graph;
   Channel& channel = graph.Open("image", TypeOf<RawImage>(), CallSite::Current());
   EXPECT_EQ(&DataGraph::InboundType(channel), &TypeOf<RawImage>());
-  Kept<RawImage> plain;
-  Kept<BulkImage> bulk;
+  KeptMessages<RawImage> plain;
+  KeptMessages<BulkImage> bulk;
   auto one = graph.FromGraph<RawImage>("image", kSerial, std::ref(plain));
   {
     const auto two = graph.FromGraph<BulkImage>("image", kSerial, std::ref(bulk));
@@ -272,8 +272,8 @@ TEST(TwoForms, RemoteMessagesAreDecodedForTheNodeThatReadsInPlace) {
 // mistaken for a message of the other channel.
 TEST(TwoForms, RepublishedMessageHasTheTypeOfItsNewChannel) {
   DataGraph graph;
-  Kept<RawImage> here;
-  Kept<BulkImage> there;
+  KeptMessages<RawImage> here;
+  KeptMessages<BulkImage> there;
   const auto forward = graph.Advertise<RawImage>("there", 1);
   const auto one = graph.FromGraph<BulkImage>("here", kSerial, [&](const std::shared_ptr<const BulkImage>& image) {
     forward(std::shared_ptr<const RawImage>(image, &image->head()));

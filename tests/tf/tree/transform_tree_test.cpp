@@ -30,7 +30,7 @@ TEST(TransformTree, InterpolatesRotationsOfAnySizeLikeSlerp) {
       end.rotation.coeffs() *= 1.0001 * sign;  // The same rotation by another quaternion, to be normalized.
       ASSERT_TRUE(tree.Set("map", "base", At(0), TurnZ(0.3)));
       ASSERT_TRUE(tree.Set("map", "base", At(1), end));
-      for (const double t : {0.001, 0.25, 0.5, 0.875, 0.999}) {
+      for (const double t : {0.001, 0.25, 0.5, 0.875, 0.999, 1.0}) {
         const auto found = tree.Lookup("map", "base", At(t));
         ASSERT_TRUE(found);
         EXPECT_LT(Difference(found->T_target_source, TurnZ(0.3 + t * angle)), 1e-12) << angle << " at " << t;
@@ -110,6 +110,19 @@ TEST(TransformTree, ReportsTheRangeOfAnEdgeWhenATimeIsTooOldOrTooNew) {
   EXPECT_TRUE(tree.CanTransform("map", "base", At(2)));
   EXPECT_FALSE(tree.CanTransform("map", "base", At(3)));
   EXPECT_FALSE(tree.CanTransform("map", "bse"));
+}
+
+TEST(TransformTree, KeepsTransformsAsOldAsItsBufferAndNoneOlder) {
+  TransformTree tree({.buffer = 2s});
+  for (const int i : {7, 8, 9, 10}) ASSERT_TRUE(tree.Set("map", "base", At(i), Shift(i)));
+  EXPECT_TRUE(tree.Lookup("map", "base", At(8)));
+  const auto old = tree.Lookup("map", "base", At(7.999));
+  EXPECT_EQ(old.fault(), TransformFault::kTooOld);
+  EXPECT_EQ(old.failure().oldest, At(8));
+  EXPECT_TRUE(tree.Set("map", "base", At(8), Shift(1)));
+  const auto late = tree.Set("map", "base", At(7.995), Shift(0));
+  EXPECT_EQ(late.fault(), SetFault::kTooOld);
+  EXPECT_THAT(late.text(), HasSubstr("is older than the buffer, which has 8.000000000 s to 10.000000000 s."));
 }
 
 TEST(TransformTree, DoesNotInterpolateOverAGapLongerThanItsBuffer) {
