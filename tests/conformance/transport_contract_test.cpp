@@ -26,8 +26,10 @@ TEST_P(TransportConformance, DeliversInOrder) {
 }
 
 TEST_P(TransportConformance, ChannelsWhoseNamesBeginAlikeStayApart) {
-  ASSERT_TRUE(Join({}));
+  Offer();
   Publication filtered(*a, "scan_filtered");
+  Ask(TextType());
+  ASSERT_TRUE(out->Joined());
   ASSERT_EQ(filtered.Publish("other"), PublishStatus::kOk);
   ASSERT_EQ(out->Publish("mine"), PublishStatus::kOk);
   ASSERT_TRUE(Eventually([&] { return in->sink.count() > 0; }));

@@ -53,6 +53,7 @@ TEST(PeerChannel, SendsLatchedMessagesFirstAndLosesOrRepeatsNoWaitingOnes) {
   channel.Push(Make(3));
   channel.Push(Make(4));
   channel.Begin({Make(2), Make(3)});
+  EXPECT_FALSE(channel.Push(Make(2))) << "it was latched before it was committed";
   channel.Push(Make(5));
   EXPECT_EQ(Drained(channel), (std::vector<std::uint64_t>{2, 3, 4, 5}));
   EXPECT_EQ(channel.waiting_bytes(), 0u);

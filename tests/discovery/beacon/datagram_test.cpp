@@ -28,7 +28,8 @@ TEST(Datagram, ContainsSessionAndEndpointsButNothingLocalToTheHost) {
   expected.sender = kSender;
   expected.endpoints = {"tcp://192.0.2.7:5555", "tcp://192.0.2.7:5556", "tcp://192.0.2.9:5559"};
   EXPECT_EQ(heard->peer, expected);
-  EXPECT_TRUE(ParseDatagram(AsBytes(EncodeDatagram(own, "robot", true)), "robot", kSender)->ends);
+  const auto goodbye = ParseDatagram(AsBytes(EncodeDatagram(own, "robot", true)), "robot", kSender);
+  EXPECT_TRUE(goodbye && goodbye->ends);
 }
 
 TEST(Datagram, OfOtherDomainsVersionsAndProgramsIsIgnored) {

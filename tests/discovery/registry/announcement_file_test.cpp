@@ -67,7 +67,7 @@ TEST(AnnouncementFile, ReportsWhyAFileIsRefused) {
     std::function<void(wire::AnnouncementFile&)> spoil;
   };
   const std::vector<Case> cases{
-      {"version 7", [](auto& file) { file.set_version(7); }},
+      {"version " + std::to_string(kFileVersion + 1), [](auto& file) { file.set_version(kFileVersion + 1); }},
       {"no session", [](auto& file) { file.set_session(0); }},
       {"endpoints", [](auto& file) { file.add_endpoints(""); }},
       {"endpoints", [](auto& file) { file.add_endpoints("tcp://\n"); }},

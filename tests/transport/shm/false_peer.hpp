@@ -128,12 +128,12 @@ class FalsePeer {
   }
   /// Subscribes to the channel. False if the other side does not grant it.
   bool Subscribe(const std::string& channel, const TypeInfo& type, std::uint32_t messages = 4,
-                 std::uint64_t bytes = 10'000) {
+                 std::uint64_t bytes = 10'000, bool lossless = true) {
     wire::PairMessage said;
     auto& asked = *said.mutable_wish();
     WriteType(channel, type, *asked.mutable_wanted());
     asked.set_link(1);
-    asked.set_lossless(true);
+    asked.set_lossless(lossless);
     asked.set_credit_messages(messages);
     asked.set_credit_bytes(bytes);
     Say(said);

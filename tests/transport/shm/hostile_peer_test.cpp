@@ -300,7 +300,7 @@ TEST_F(HostilePeer, InvalidReturnsCountsAndWishesEndThePair) {
 
 TEST_F(HostilePeer, BlocksHeldByALyingPeerStayUntilItsSocketEnds) {
   FalsePeer peer(place);
-  ASSERT_TRUE(peer.Publish() && peer.Subscribe("news", TextType()));
+  ASSERT_TRUE(peer.Publish() && peer.Subscribe("news", TextType(), 4, 10'000, false));
   ASSERT_TRUE(news->PublishSoon(std::string(1000, 'x')));
   ASSERT_TRUE(Await([&] { return heard->sink.count() == 1; }));
   peer.SayRaw(std::string(100, '\xff'));
@@ -314,7 +314,7 @@ TEST_F(HostilePeer, BlocksHeldByALyingPeerStayUntilItsSocketEnds) {
 
 TEST_F(HostilePeer, ASegmentThatAPeerRefusesIsOfferedAgainAfterPausesThatDouble) {
   FalsePeer peer(place);
-  ASSERT_TRUE(peer.Publish() && peer.Subscribe("news", TextType(), kSlots, kSlots * 1000));
+  ASSERT_TRUE(peer.Publish() && peer.Subscribe("news", TextType(), kSlots, kSlots * 1000, false));
   std::vector<std::chrono::steady_clock::time_point> offers;
   std::size_t apart = 0;
   while (offers.size() < 5 && apart < kSlots) {
