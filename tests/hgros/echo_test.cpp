@@ -34,7 +34,7 @@ TEST(HgrosEcho, ShowsLatchedMessagesFirstAsAskedFor) {
   const auto more = robot.session().Advertise<Log>("more", {.latched = 1});
   for (const char* text : {"one, two", "bb", "three"}) publish(Line(text));
   more(Line("other"));
-  EXPECT_THAT(robot.Run({"echo", "status", "-n", "3", "--field", "message"}), Writes("one, two\nbb\nthree\n"));
+  EXPECT_THAT(robot.Run({"echo", "status", "-n", "3", "--field", "message"}), Writes("\"one, two\"\nbb\nthree\n"));
   const std::vector<std::string> lines =
       LinesOf(robot.Run({"echo", "status", "-n", "3", "--csv", "--field", "message", "--field", "line"}).out);
   ASSERT_EQ(lines.size(), 4U);

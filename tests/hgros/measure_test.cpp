@@ -97,17 +97,17 @@ TEST(HgrosHz, EndsOnCtrlCAtItsTimeoutOrWhenNobodyPublishes) {
 
   CommandRun counting({"hz", "tick"}, environment);
   CommandRun receiving({"hz", "tick", "--receive"}, environment);
-  CommandRun lasting({"hz", "tick", "--timeout", "4"}, environment);
   ASSERT_TRUE(counting.Prints("tick "));
   const std::regex some("tick [^\n]* Hz +([2-9]|[1-9][0-9]+) ");  // An interval needs two messages.
   ASSERT_TRUE(test::Await([&] { return std::regex_search(receiving.out(), some); })) << receiving.out();
-  ASSERT_TRUE(lasting.Prints("tick "));
   for (CommandRun* run : {&counting, &receiving}) {
     run->Signal(SIGINT);
     EXPECT_EQ(run->Wait(), 128 + SIGINT);
     EXPECT_EQ(run->err(), "");
   }
   EXPECT_THAT(receiving.out(), HasSubstr("HISTOGRAM"));
+  CommandRun lasting({"hz", "tick", "--timeout", "4"}, environment);
+  ASSERT_TRUE(lasting.Prints("tick "));
   ticking.reset();  // It goes on without the robot.
   EXPECT_EQ(lasting.Wait(), 3);
   EXPECT_EQ(lasting.err(), "");

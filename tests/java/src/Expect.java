@@ -31,7 +31,7 @@ final class Expect {
     int run = 0;
     for (Method test : Class.forName(arguments[0]).getDeclaredMethods()) {
       if (Modifier.isPublic(test.getModifiers())) {
-        domain = "java-" + test.getName();
+        domain = "java-" + ProcessHandle.current().pid() + "-" + run;
         run++;
         try {
           test.invoke(null);
