@@ -177,7 +177,8 @@ TEST(HgrosControl, RefusesWrongArguments) {
   EXPECT_EQ(RunToEnd({"control", "log"}).status, 2);
   EXPECT_THAT(RunToEnd({"control", "log", "wraning"}).err, HasSubstr("warning"));
   EXPECT_EQ(RunToEnd({"control", "close", "a b"}).status, 2);
-  EXPECT_THAT(RunToEnd({"control", "log", "info"}, OwnDomain()),
+  const RobotForCommands idle;  // It uses no channel.
+  EXPECT_THAT(RunToEnd({"control", "log", "info"}, idle.environment()),
               Ends(1, EndsWith("hgros: No session is there to be asked.\n")));
 }
 
@@ -251,10 +252,10 @@ TEST(HgrosControl, StopsThroughConnectAloneWithAnAllowedKey) {
 
 TEST_F(HgrosControlProcess, ThatHangsIsWaitedForUntilTheTimeoutAndDoesNotHoldUpOthers) {
   publisher->Signal(SIGSTOP);
-  CommandRun stop({"control", "stop", "--session", "publisher", "--timeout", "4"}, environment);
   const CommandEnd channel = RunToEnd({"control", "close", "greetings"}, environment);  // It has announced the channel.
   EXPECT_EQ(channel.status, 1) << channel.err;
   EXPECT_THAT(channel.out, AllOf(HasSubstr("publisher:"), HasSubstr("It does not answer: it hangs")));
+  CommandRun stop({"control", "stop", "--session", "publisher", "--timeout", "4"}, environment);
   const CommandEnd in_time =
       RunToEnd({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"}, environment);
   EXPECT_EQ(in_time.status, 3);

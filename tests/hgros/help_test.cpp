@@ -38,7 +38,7 @@ TEST(HgrosHelp, ExplainsAllCommandsAndEachWithItsExamples) {
     }
     words.pop_back();
     words.insert(words.begin(), "help");
-    EXPECT_EQ(RunToEnd(words).out, end.out);
+    EXPECT_THAT(RunToEnd(words), Writes(end.out));
   }
   const CommandEnd member = RunToEnd({"help", "param", "get"});
   EXPECT_EQ(member.status, 0);

@@ -110,7 +110,7 @@ TEST(HgrosHz, EndsOnCtrlCAtItsTimeoutOrWhenNobodyPublishes) {
     EXPECT_EQ(run.err(), "");
     EXPECT_EQ(run.out().find("HISTOGRAM") != std::string::npos, receives);
   }
-  CommandRun lasting({"hz", "tick", "--timeout", "4"}, environment);
+  CommandRun lasting({"hz", "tick", "--timeout", "6"}, environment);
   ASSERT_TRUE(lasting.Prints("tick "));
   ticking.reset();  // It goes on without the robot.
   EXPECT_EQ(lasting.Wait(), 3);

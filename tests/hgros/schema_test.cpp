@@ -46,10 +46,13 @@ TEST(HgrosSchema, ShowsTheTypeOfAChannelThatOnlyAPublisherOrASubscriberKnows) {
       robot.session().FromAny<robot::Hand>("hand", Invoke::kSerial, [](const robot::Hand&) {});
   EXPECT_EQ(robot.Run(Patiently({"schema", "status"})).out, RunToEnd({"schema", "foxglove.Log"}).out);
   for (const std::string type : {"Grip", "Hand"}) {
+    std::string by_channel;
     for (const std::string& name : {std::string(type == "Grip" ? "grip" : "hand"), "robot." + type}) {
       const CommandEnd end = robot.Run(Patiently({"schema", name}));
       EXPECT_EQ(end.err, "");
       EXPECT_THAT(end.out, HasSubstr("message " + type + " {\n  double width = 1;\n  string name = 2;\n}\n"));
+      if (by_channel.empty()) by_channel = end.out;
+      EXPECT_EQ(end.out, by_channel);
     }
   }
   EXPECT_THAT(robot.Run({"schema", "foxglove.Lgo"}),
