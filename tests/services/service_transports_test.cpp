@@ -5,6 +5,7 @@
 #include <random>
 
 #include "services/services_fixture.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::test {
 namespace {
@@ -120,7 +121,7 @@ TEST_P(ServiceOverEveryTransport, FailsCallsWhenTheServiceEnds) {
 // A request that comes between two servers of one session reaches neither. The caller sees the same session before and
 // after.
 TEST_P(ServiceOverEveryTransport, EndsEveryCallAlthoughTheServiceIsServedAgainAtOnce) {
-  constexpr int kLives = 60;
+  const int lives = test::Rounds(15, 60);
   constexpr std::chrono::seconds kLost{20};
   std::atomic<bool> stop{false};
   std::atomic<int> newest{0};  // The latest reply.
@@ -133,7 +134,7 @@ TEST_P(ServiceOverEveryTransport, EndsEveryCallAlthoughTheServiceIsServedAgainAt
       if (!result && result.failure().kind == Kind::kTimedOut) ++lost;
     }
   });
-  for (int life = 1; life <= kLives && lost == 0 && !HasFailure(); ++life) {
+  for (int life = 1; life <= lives && lost == 0 && !HasFailure(); ++life) {
     service.Reset();
     EXPECT_FALSE(service.active());
     service = pair->server().Serve<Sum, Total>("add", [life](const Sum& sum) { return Total{sum.a + sum.b + life}; });
