@@ -202,10 +202,11 @@ void CheckSystem(const Evidence& evidence, Findings& findings) {
   std::set<std::string> groups;
   std::set<std::int64_t> processes;
   for (const auto& [session, snapshot] : evidence.after) {
-    if (!evidence.here.contains(session) || !processes.insert(snapshot->pid()).second) continue;
+    if (!evidence.here.contains(session)) continue;
+    CheckPriorities(evidence.NameOf(session), *snapshot, findings);
+    if (!processes.insert(snapshot->pid()).second) continue;
     CheckDescriptors(evidence.NameOf(session), snapshot->pid(), findings);
     CheckMemoryGroup(evidence.NameOf(session), snapshot->pid(), groups, findings);
-    CheckPriorities(evidence.NameOf(session), *snapshot, findings);
   }
   CheckBuffers(evidence, findings);
   CheckGovernor(findings);
