@@ -96,9 +96,9 @@ class SshHost {
     const std::string config =
         "ListenAddress 10.198.0.2\nHostKey " + place + "/host_key\nAuthorizedKeysFile " + place +
         "/authorized_keys\nPidFile none\nUsePAM no\nStrictModes no\nPermitRootLogin yes\nPasswordAuthentication no\n"
-        "MaxStartups 100\nSetEnv \"HGROS_COMPONENT_PATH=" +
-        manifests + "\" \"PATH=" + std::filesystem::path(test::Path("hgros")).parent_path().string() +
-        ":/usr/bin:/bin\"\n";
+        "MaxStartups 100\nSetEnv \"HOME=" +
+        place + "\" \"HGROS_COMPONENT_PATH=" + manifests +
+        "\" \"PATH=" + std::filesystem::path(test::Path("hgros")).parent_path().string() + ":/usr/bin:/bin\"\n";
     daemon_ =
         std::make_unique<CommandRun>(std::vector<std::string>{"netns", "exec", cable.right, "/usr/sbin/sshd", "-D",
                                                               "-e", "-f", folder.Write("sshd_config", config)},
