@@ -45,7 +45,7 @@ class Publishing(RobotTest):
             import hgros
             from foxglove.RawImage_pb2 import RawImage
 
-            SIZE = 200_000_000
+            SIZE = 16_000_000
             with hgros.Session() as robot:
                 publish = robot.advertise("image", RawImage)
                 image = RawImage(data=bytes(SIZE))
