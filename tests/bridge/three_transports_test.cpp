@@ -1,4 +1,5 @@
 // Two bridges that can use three transports. Two of these exist only in this test.
+#include <map>
 #include <optional>
 #include <thread>
 
@@ -6,13 +7,15 @@
 #include "bridge/joined/joined_outbound.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/errand_thread.hpp"
-#include "session/domain_fixture.hpp"
+#include "session/session_fixture.hpp"
+#include "support/at_once.hpp"
 #include "support/gated_transport.hpp"
 
 namespace hgros::test::three_transports_test {
 namespace {
 
 struct Gates {
+  explicit Gates(bool open) : loop(open), pipe(open) {}
   Gate loop;
   Gate pipe;
 };
@@ -20,7 +23,8 @@ struct Gates {
 /// A session that has only a bridge.
 class Bridged : private TransportListener {
  public:
-  Bridged(ZmqOptions zmq, Gates& gates, std::map<std::string, TransportKeys, std::less<>> rules) {
+  Bridged(ZmqOptions zmq, Gates& gates, const std::string& domain,
+          std::map<std::string, TransportKeys, std::less<>> rules) {
     BridgeOptions options;
     options.zmq = std::move(zmq);
     options.zmq.session = id_;
@@ -29,7 +33,7 @@ class Bridged : private TransportListener {
     options.zmq.peer_timeout = std::chrono::milliseconds(2000);
     options.more_transports = {GatedEntry("pipe", "a pipe", 20, options.zmq.session, gates.pipe),
                                GatedEntry("loop", "a loop", 10, options.zmq.session, gates.loop)};
-    options.registry.emplace().domain = std::getenv("HGROS_DOMAIN");
+    options.registry.emplace().domain = domain;
     options.rules = std::move(rules);
     options.on_announcements = [] {};
     options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
@@ -136,99 +140,106 @@ class Checking final : private InboundSink {
   std::shared_ptr<JoinedInbound> in_;
 };
 
-class ThreeTransports : public DomainFixture {
- protected:
-  void Start(const std::map<std::string, TransportKeys, std::less<>>& rules = {}) {
-    ZmqOptions publishing, subscribing;
-    publishing.publish = {{bus.Endpoint("a"), std::nullopt}};
-    subscribing.subscribe = {{bus.Endpoint("a"), std::nullopt, {}}};
-    talker.emplace(publishing, gates, rules);
-    listener.emplace(subscribing, gates, std::map<std::string, TransportKeys, std::less<>>());
-    numbers.emplace(*talker, "numbers");
-    check.emplace(*listener, "numbers");
+/// Two sessions that find only each other.
+struct Two {
+  explicit Two(bool open = false, const std::map<std::string, TransportKeys, std::less<>>& rules = {})
+      : gates(open), talker(Publishing(bus), gates, domain, rules), listener(Subscribing(bus), gates, domain, {}) {}
+  static ZmqOptions Publishing(const Bus& bus) {
+    ZmqOptions options;
+    options.publish = {{bus.Endpoint("a"), std::nullopt}};
+    return options;
+  }
+  static ZmqOptions Subscribing(const Bus& bus) {
+    ZmqOptions options;
+    options.subscribe = {{bus.Endpoint("a"), std::nullopt, {}}};
+    return options;
+  }
+  void ExpectUse(const std::string& transport) {
+    EXPECT_TRUE(Await([&] { return listener.UsedTransport() == transport && check.last > 100; })) << transport;
   }
   // Messages still flow, over one transport.
   void ExpectFlow() {
-    const std::uint64_t before = check->last;
-    EXPECT_TRUE(Await([&] { return check->last > before + 50 && numbers->subscribers() == 1; }));
-    EXPECT_EQ(check->lost, 0U);
+    const std::uint64_t before = check.last;
+    EXPECT_TRUE(Await([&] { return check.last > before + 50 && numbers.subscribers() == 1; }));
+    EXPECT_EQ(check.lost, 0U);
   }
   void ExpectAll() {
-    numbers->Stop();
-    EXPECT_TRUE(Await([&] { return check->last == numbers->published; }))
-        << check->last << " of " << numbers->published;
-    EXPECT_EQ(check->lost, 0U);
+    numbers.Stop();
+    EXPECT_TRUE(Await([&] { return check.last == numbers.published; })) << check.last << " of " << numbers.published;
+    EXPECT_EQ(check.lost, 0U);
   }
 
   const Bus bus;
+  const std::string domain = "test-" + SessionId::Random().ToString();
   Gates gates;
-  std::optional<Bridged> talker;
-  std::optional<Bridged> listener;
-  std::optional<Counting> numbers;
-  std::optional<Checking> check;
+  Bridged talker;
+  Bridged listener;
+  Counting numbers{talker, "numbers"};
+  Checking check{listener, "numbers"};
 };
 
-TEST_F(ThreeTransports, MessagesMoveToACheaperTransportAndThenToTheCheapestWithoutLoss) {
-  Start();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ" && check->last > 100; }));
-  gates.pipe.Open();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a pipe"; }));
-  ExpectFlow();
-  gates.loop.Open();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; }));
-  ExpectFlow();
-  ExpectAll();
+void MessagesMoveToACheaperTransportAndThenToTheCheapest() {
+  Two two;
+  two.ExpectUse("ZeroMQ");
+  two.gates.pipe.Open();
+  two.ExpectUse("a pipe");
+  two.ExpectFlow();
+  two.gates.loop.Open();
+  two.ExpectUse("a loop");
+  two.ExpectFlow();
+  two.ExpectAll();
 }
 
-TEST_F(ThreeTransports, TransportThatComesDuringAMoveIsUsedNextWithoutLoss) {
-  Start();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ" && check->last > 100; }));
-  gates.pipe.Open();
-  gates.loop.Open();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; }));
-  ExpectFlow();
-  ExpectAll();
+void TransportThatComesDuringAMoveIsUsedNext() {
+  Two two;
+  two.ExpectUse("ZeroMQ");
+  two.gates.pipe.Open();
+  two.gates.loop.Open();
+  two.ExpectUse("a loop");
+  two.ExpectFlow();
+  two.ExpectAll();
 }
 
-TEST_F(ThreeTransports, CheapestIsUsedAndMessagesFallBackToTheNextOneWhenItBreaksWithoutLoss) {
-  gates.loop.Open();
-  gates.pipe.Open();
-  Start();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop" && check->last > 100; }));
-  ExpectFlow();
-  EXPECT_EQ(check->repeated, 0U);
-  gates.loop.Close();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a pipe"; }));
-  ExpectFlow();
-  gates.pipe.Close();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "ZeroMQ"; }));
-  ExpectFlow();
-  gates.loop.Open();
-  EXPECT_TRUE(Await([&] { return listener->UsedTransport() == "a loop"; })) << "it is the cheapest again";
-  ExpectFlow();
-  ExpectAll();
+void CheapestIsUsedAndMessagesFallBackToTheNextOneWhenItBreaks() {
+  Two two(true);
+  two.ExpectUse("a loop");
+  two.ExpectFlow();
+  EXPECT_EQ(two.check.repeated, 0U);
+  two.gates.loop.Close();
+  two.ExpectUse("a pipe");
+  two.ExpectFlow();
+  two.gates.pipe.Close();
+  two.ExpectUse("ZeroMQ");
+  two.ExpectFlow();
+  two.gates.loop.Open();
+  two.ExpectUse("a loop");  // It is the cheapest again.
+  two.ExpectFlow();
+  two.ExpectAll();
 }
 
-TEST_F(ThreeTransports, SayThatOneReachesNobodyAndThatNoCauseWasFound) {
-  Start();
-  EXPECT_TRUE(Await([&] { return !listener->Unreached().empty() && !talker->Unreached().empty(); }));
+void OneIsSaidToReachNobodyWithoutACause() {
+  Two two;
+  EXPECT_TRUE(Await([&] { return !two.listener.Unreached().empty() && !two.talker.Unreached().empty(); }));
   Linger(std::chrono::seconds(1));
-  for (const auto* const one : {&listener, &talker}) {
-    const std::vector<std::string> said = (*one)->Unreached();
+  for (const auto* const one : {&two.listener, &two.talker}) {
+    const std::vector<std::string> said = one->Unreached();
     ASSERT_EQ(said.size(), 1U);
     EXPECT_NE(said[0].find("no cause was found, and the attempts go on. ZeroMQ carries its messages."), said[0].npos)
         << said[0];
   }
-  ExpectAll();
+  two.ExpectAll();
 }
 
-TEST_F(ThreeTransports, RuleKeepsAChannelOnTheOtherTransports) {
-  gates.loop.Open();
-  gates.pipe.Open();
-  Start({{"numbers", std::vector<std::string>{"pipe", "zmq"}}});
-  ExpectFlow();
-  EXPECT_EQ(listener->UsedTransport(), "a loop") << "for channels without a rule";
-  ExpectAll();
+TEST(ThreeTransports, LoseNothingWhenTheyComeAndBreak) {
+  AtOnce({MessagesMoveToACheaperTransportAndThenToTheCheapest, TransportThatComesDuringAMoveIsUsedNext,
+          CheapestIsUsedAndMessagesFallBackToTheNextOneWhenItBreaks, OneIsSaidToReachNobodyWithoutACause});
+}
+
+TEST(ThreeTransports, RuleKeepsAChannelOnTheOtherTransports) {
+  Two two(true, {{"numbers", std::vector<std::string>{"pipe", "zmq"}}});
+  two.ExpectFlow();
+  EXPECT_EQ(two.listener.UsedTransport(), "a loop") << "for channels without a rule";
+  two.ExpectAll();
 }
 
 }  // namespace

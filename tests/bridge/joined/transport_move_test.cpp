@@ -7,6 +7,7 @@
 #include "hgros/clock/time.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
+#include "support/at_once.hpp"
 #include "support/seed.hpp"
 
 namespace hgros::test {
@@ -124,72 +125,83 @@ class LateTalker final : public HandMadeSession, private OutboundSource {
   std::unique_ptr<OutboundChannel> over_shm_;
 };
 
-class MovingPeer : public DomainFixture {
- protected:
-  void SetUp() override {
-    listener.emplace("network: {subscribers: [" + bus.Subscriber("late") +
-                     "], heartbeat_ms: 100, peer_timeout_ms: 2000}\n");
-    subscription = (*listener)->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(64)});
-    talker.emplace(std::getenv("HGROS_DOMAIN"), bus.Endpoint("late"));
-    ASSERT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "over ZeroMQ, after two seconds";
-    for (int i = 0; i < 20; ++i) talker->Say();
+/// A session, and a talker that it reaches over ZeroMQ.
+struct Moving {
+  explicit Moving(const std::string& domain) : talker(domain, bus.Endpoint("late")) {}
+  void Begin() {
+    ASSERT_TRUE(Await([&] { return talker.subscribers() == 1; })) << "over ZeroMQ, after two seconds";
+    for (int i = 0; i < 20; ++i) talker.Say();
     ASSERT_TRUE(Await([&] { return notes.size() == 20; }));
     ASSERT_EQ(UsedTransport(), "ZeroMQ");
   }
   [[nodiscard]] std::string UsedTransport() const {
-    const auto peers = (*listener)->Peers();
+    const auto peers = listener->Peers();
     return peers.size() == 1 ? peers[0].transport : std::to_string(peers.size()) + " peers";
   }
   // Publishes until the condition holds.
   void SayUntil(const std::function<bool()>& condition) {
     EXPECT_TRUE(Await([&] {
-      talker->Say();
+      talker.Say();
       return testing::Test::HasFailure() || condition();
     }));
   }
-  void ExpectAll() {
-    EXPECT_TRUE(Await([&] { return notes.size() == talker->said(); })) << notes.size() << " of " << talker->said();
+  void ExpectOnly(const std::string& transport) {
+    EXPECT_TRUE(Await([&] { return UsedTransport() == transport && talker.subscribers() == 1; })) << transport;
+    for (int i = 0; i < 100; ++i) talker.Say();
+    EXPECT_TRUE(Await([&] { return notes.size() == talker.said(); })) << notes.size() << " of " << talker.said();
     Linger(std::chrono::milliseconds(100));
     const auto texts = notes.texts();
-    ASSERT_EQ(texts.size(), talker->said());
+    ASSERT_EQ(texts.size(), talker.said());
     for (std::size_t i = 0; i < texts.size(); ++i) ASSERT_EQ(texts[i], std::to_string(i + 1));
   }
 
   const Bus bus;
   Notes notes;
-  std::optional<Robot> listener;
-  Subscription subscription;
-  std::optional<LateTalker> talker;
+  Robot listener{"network: {subscribers: [" + bus.Subscriber("late") +
+                 "], heartbeat_ms: 100, peer_timeout_ms: 2000}\n"};
+  Subscription subscription = listener->FromAny<Note>("notes", kSerial, std::ref(notes), {.queue = Queue::KeepAll(64)});
+  LateTalker talker;
 };
 
-TEST_F(MovingPeer, MovesToLateSharedMemoryWhileMessagesFlowAndReturnsWhenThatEndsWithoutLoss) {
-  talker->ShareMemoryWith((*listener)->id());
-  SayUntil([&] { return UsedTransport() == "shared memory"; });
-  for (int i = 0; i < 100; ++i) talker->Say();
-  ExpectAll();
-  EXPECT_TRUE(Await([&] { return talker->subscribers() == 1; })) << "ZeroMQ was dropped";
-  EXPECT_TRUE(listener->Said("through shared memory, and its messages move there."));
-  talker->EndShm();
-  EXPECT_TRUE(Await([&] { return UsedTransport() == "ZeroMQ" && talker->subscribers() == 1; }));
-  for (int i = 0; i < 50; ++i) talker->Say();
-  ExpectAll();
-}
+class MovingPeer : public DomainFixture {
+ protected:
+  MovingPeer() {
+    for (auto* const one : {&flowing, &silent, &ending}) {
+      Enter("test-" + SessionId::Random().ToString());
+      one->emplace(std::getenv("HGROS_DOMAIN"));
+    }
+  }
+  std::optional<Moving> flowing, silent, ending;
+};
 
-TEST_F(MovingPeer, MovesToLateSharedMemoryWithoutMessages) {
-  talker->ShareMemoryWith((*listener)->id());
-  EXPECT_TRUE(Await([&] { return UsedTransport() == "shared memory" && talker->subscribers() == 1; }));
-  for (int i = 0; i < 100; ++i) talker->Say();
-  ExpectAll();
-}
-
-TEST_F(MovingPeer, LosesNoWaitingMessageWhenTheOldTransportEnds) {
-  talker->ShareMemoryWith((*listener)->id());
-  SayUntil([&] { return talker->subscribers() == 2 || UsedTransport() == "shared memory"; });
-  EXPECT_TRUE(Await([&] { return notes.size() == talker->said(); }));
-  (*listener)->RemoveSubscriberEndpoint(bus.Endpoint("late"));
-  EXPECT_TRUE(Await([&] { return UsedTransport() == "shared memory" && talker->subscribers() == 1; }));
-  for (int i = 0; i < 100; ++i) talker->Say();
-  ExpectAll();
+TEST_F(MovingPeer, LosesNothing) {
+  const auto moves_to_late_shared_memory_while_messages_flow_and_returns_when_that_ends = [this] {
+    Moving& one = *flowing;
+    ASSERT_NO_FATAL_FAILURE(one.Begin());
+    one.talker.ShareMemoryWith(one.listener->id());
+    one.SayUntil([&] { return one.UsedTransport() == "shared memory"; });
+    one.ExpectOnly("shared memory");
+    EXPECT_TRUE(one.listener.Said("through shared memory, and its messages move there."));
+    one.talker.EndShm();
+    one.ExpectOnly("ZeroMQ");
+  };
+  const auto moves_to_late_shared_memory_without_messages = [this] {
+    Moving& one = *silent;
+    ASSERT_NO_FATAL_FAILURE(one.Begin());
+    one.talker.ShareMemoryWith(one.listener->id());
+    one.ExpectOnly("shared memory");
+  };
+  const auto loses_no_waiting_message_when_the_old_transport_ends = [this] {
+    Moving& one = *ending;
+    ASSERT_NO_FATAL_FAILURE(one.Begin());
+    one.talker.ShareMemoryWith(one.listener->id());
+    one.SayUntil([&] { return one.talker.subscribers() == 2 || one.UsedTransport() == "shared memory"; });
+    EXPECT_TRUE(Await([&] { return one.notes.size() == one.talker.said(); }));
+    one.listener->RemoveSubscriberEndpoint(one.bus.Endpoint("late"));
+    one.ExpectOnly("shared memory");
+  };
+  AtOnce({moves_to_late_shared_memory_while_messages_flow_and_returns_when_that_ends,
+          moves_to_late_shared_memory_without_messages, loses_no_waiting_message_when_the_old_transport_ends});
 }
 
 }  // namespace
