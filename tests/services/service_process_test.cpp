@@ -57,22 +57,30 @@ class ServerProcess {
 
 class KilledServer : public DomainFixture {
  protected:
+  static std::string YamlOfCaller(const std::string& endpoint = "tcp://127.0.0.1:*") {
+    return "network: {publisher: {ip: '" + endpoint + "'}, heartbeat_ms: 100, peer_timeout_ms: 2000}\n" +
+           "discovery: {local: false}\n";
+  }
   /// Of a server that publishes there, and subscribes to the caller.
   static std::string YamlOf(const Robot& caller, const std::string& endpoint = "tcp://127.0.0.1:*") {
     return "network: {publisher: {ip: '" + endpoint + "'}, subscribers: [{ip: '" + caller->PublisherEndpoints().at(0) +
-           "'}]}\ndiscovery: {local: false}\n";
+           "'}], heartbeat_ms: 100}\ndiscovery: {local: false}\n";
   }
 };
 
 class KilledServerProcess : public KilledServer, public testing::WithParamInterface<std::string> {};
 
 TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
-  const Places places = PlacesOf(GetParam());
-  Robot robot(places.first, "caller");
-  ServerProcess server(GetParam() == "tcp" ? YamlOf(robot) : places.second);
+  const Bus bus;
+  const auto endpoint = [&](const char* side) {
+    return GetParam() == "ipc" ? bus.Endpoint(side) : "tcp://127.0.0.1:*";
+  };
+  const bool shares_memory = GetParam() == "sharedmemory";
+  Robot robot(shares_memory ? "" : YamlOfCaller(endpoint("caller")), "caller");
+  ServerProcess server(shares_memory ? "" : YamlOf(robot, endpoint("server")));
   std::string line = server.Line();
   if (line.starts_with("at ")) {
-    if (GetParam() == "tcp") robot->AddSubscriberEndpoint({line.substr(3), {}, true});
+    robot->AddSubscriberEndpoint({line.substr(3), {}, true});
     line = server.Line();
   }
   ASSERT_EQ(line, "ready");
@@ -93,7 +101,7 @@ TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
     EXPECT_NE(result.failure().reason.find("(server, process "), std::string::npos) << result.failure().reason;
   }
   // Once its last transport is gone, the registry shows that there is no other server.
-  if (GetParam() == "sharedmemory") {
+  if (shares_memory) {
     EXPECT_TRUE(Await([&] {
       const auto kind = robot->Call<Sum, Total>("add", Sum{}, kLong).Wait().failure().kind;
       EXPECT_TRUE(kind == Kind::kServerGone || kind == Kind::kNoServer);
@@ -104,10 +112,7 @@ TEST_P(KilledServerProcess, FailsItsCallsLongBeforeTheirTimeout) {
 
 // The caller notices the end of a killed server on another host only after a peer timeout.
 TEST_F(KilledServer, IsNotSaidToServeBesideTheOneThatReplacesIt) {
-  Robot robot(
-      "network: {publisher: {ip: 'tcp://127.0.0.1:*'}, heartbeat_ms: 100, peer_timeout_ms: 2000}\n"
-      "discovery: {local: false}\n",
-      "caller");
+  Robot robot(YamlOfCaller(), "caller");
   std::unique_ptr<ServerProcess> server;
   for (int lives = 1; lives <= 3; ++lives) {
     server = std::make_unique<ServerProcess>(YamlOf(robot));
