@@ -72,7 +72,7 @@ class OnAnotherHost(ViewerCase):
         return self.start(*self.robot.inside, PUBLISHER, 20, 3000, 100_000, self.file("robot.yaml", ROBOT_FILE))
 
     def test_shows_the_robot_that_its_network_file_names(self):
-        viewer = self.start_for_picture(80, "--network", self.file("desk.yaml", DESK_FILE), "--show-all", "--report", "0.1",
+        viewer = self.start_for_picture(40, "--network", self.file("desk.yaml", DESK_FILE), "--show-all", "--report", "0.1",
                                         "--channel", "lidar_visual_channel,keep=all",
                                         "--channel", "re_optimized_poses,style=both", inside=self.desk.inside)
         self.start_robot()
