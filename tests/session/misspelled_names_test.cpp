@@ -23,23 +23,6 @@ TEST(MisspelledNames, MisspelledChannelsOfTheConfigurationAreLoggedOnceWithTheNe
   EXPECT_EQ(robot.Count("has not used so far"), 1U);
 }
 
-TEST(MisspelledNames, ChannelsAndNodesAreLoggedOnceSomeSecondsAfterTheStartAndLaterOnesAtTheEnd) {
-  Robot robot(
-      "data_graph: {close_channels: [pre_chanel], nodes: {planner: {queue: latest}, localisation: {queue: latest}}}\n"
-      "channels: {scna: {queue: latest}}");
-  const auto planner = robot->FromGraph<Note>("pre_channel", kSerial, [](const Note&) {}, {.name = "planner"});
-  const auto localizer = robot->FromGraph<Note>("pre_channel", kSerial, [](const Note&) {}, {.name = "localization"});
-  EXPECT_TRUE(
-      Await([&] { return robot.Said("\"pre_chanel\" in data_graph.close_channels (did you mean \"pre_channel\"?)"); }));
-  EXPECT_TRUE(Await([&] { return robot.Said("has so far: \"localisation\" (did you mean \"localization\"?)."); }));
-  EXPECT_FALSE(robot.Said("scna"));
-  (void)robot->ToAny("scan", ANote());
-  robot.session.reset();
-  EXPECT_TRUE(robot.Said("has not used so far: \"scna\" in channels (did you mean \"scan\"?)."));
-  EXPECT_EQ(robot.Count("has not used so far"), 2U);
-  EXPECT_EQ(robot.Count("has so far"), 1U);
-}
-
 TEST(MisspelledNames, ListsMayHaveChannelsThatAreUsedLater) {
   const Bus bus;
   Robot robot(bus.Publishing("a", "camera_left, camera_right, camera/right/image, tf, map_state"));

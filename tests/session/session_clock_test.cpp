@@ -100,10 +100,17 @@ TEST_F(SimulatedSession, KeepsRunningBetweenMessages) {
   EXPECT_LT(robot->Snapshot().traffic.at(0).in.at(0).received, 100U);
 }
 
-TEST_F(SessionClock, SaysThatNoClockIsPublished) {
+// And which names are probably misspelled, as soon; at its end, those that came later.
+TEST_F(SessionClock, SaysThatNoClockIsPublishedSomeSecondsAfterTheStart) {
   const Robot simulation("");
   const auto begin = std::chrono::steady_clock::now();
-  Robot waiting(kSimulated + "discovery: {local: false}\n");
+  Robot waiting(
+      kSimulated +
+      "discovery: {local: false}\n"
+      "data_graph: {close_channels: [pre_chanel], nodes: {planner: {queue: latest}, localisation: {queue: latest}}}\n"
+      "channels: {scna: {queue: latest}}");
+  const auto planner = waiting->FromGraph<Note>("pre_channel", kSerial, [](const Note&) {}, {.name = "planner"});
+  const auto localizer = waiting->FromGraph<Note>("pre_channel", kSerial, [](const Note&) {}, {.name = "localization"});
   Robot following(kSimulated);
   const ClockPublisher publisher(*simulation.session, SimulatedClock::Paused(kStart));
   EXPECT_TRUE(Await([&] { return waiting.Said("No clock was heard on the channel \"clock\" so far"); }));
@@ -112,6 +119,16 @@ TEST_F(SessionClock, SaysThatNoClockIsPublished) {
   Linger(200ms);
   EXPECT_EQ(waiting.Count("No clock was heard"), 1U);
   EXPECT_FALSE(following.Said("No clock was heard"));
+
+  EXPECT_TRUE(Await(
+      [&] { return waiting.Said("\"pre_chanel\" in data_graph.close_channels (did you mean \"pre_channel\"?)"); }));
+  EXPECT_TRUE(Await([&] { return waiting.Said("has so far: \"localisation\" (did you mean \"localization\"?)."); }));
+  EXPECT_FALSE(waiting.Said("scna"));
+  (void)waiting->ToAny("scan", Note("x"));
+  waiting.session.reset();
+  EXPECT_TRUE(waiting.Said("has not used so far: \"scna\" in channels (did you mean \"scan\"?)."));
+  EXPECT_EQ(waiting.Count("has not used so far"), 2U);
+  EXPECT_EQ(waiting.Count("has so far"), 1U);
 }
 
 TEST_F(SessionClock, ReachesLateSessions) {

@@ -123,17 +123,21 @@ TEST_F(StaticEdges, AWithheldOneReplacesNoneInTheTreeAndIsToldIfTheTreeRefusesIt
   EXPECT_TRUE(late.Gets({{"laser", 2}, {"lamp", 3}, {"lens", 1}}));
 }
 
+// They are told after the time in which a peer that says nothing is gone.
 TEST_F(StaticEdges, TwoSessionsThatSetOneAreTold) {
-  Transforms one(*a_.session);
-  Transforms two(*b_.session);
-  Robot looker{"", "looker"};
+  const std::string soon = "network: {heartbeat_ms: 100, peer_timeout_ms: 2000}";
+  Robot a{soon, "a"};
+  Robot b{soon, "b"};
+  Robot looker{soon, "looker"};
+  Transforms one(*a.session);
+  Transforms two(*b.session);
   Transforms looking(*looker.session);
   for (Transforms* transforms : {&one, &two, &looking}) (void)transforms->tree();
   ASSERT_TRUE(one.ToStaticTF("base", "laser", Shift(1)));
   ASSERT_TRUE(two.ToStaticTF("base", "laser", Shift(2)));
-  for (Robot* robot : {&a_, &b_, &looker}) {
+  for (Robot* robot : {&a, &b, &looker}) {
     EXPECT_TRUE(Await([&] { return robot->Said("Two sessions set the edge from \"base\" to \"laser\""); }));
-    EXPECT_TRUE(robot->Said("\"b\" (" + b_->id().ToString() + ")"));
+    EXPECT_TRUE(robot->Said("\"b\" (" + b->id().ToString() + ")"));
   }
   ASSERT_TRUE(two.ToStaticTF("base", "laser", Shift(3)));
   ASSERT_TRUE(two.ToStaticTF("base", "camera", Shift(3)));
