@@ -39,10 +39,13 @@ struct Looker {
 };
 HGROS_COMPONENT(Looker, "test/Looker")
 
+// Two sessions that set one static edge are told after the time-out.
+constexpr const char* kAlone = "{discovery: {lan: false}, network: {heartbeat_ms: 100, peer_timeout_ms: 2000}}";
+
 ComponentSetup WalkerSetup() { return {.name = "walker", .type = "test/Walker"}; }
 
 struct Place : Robot {
-  explicit Place(const std::string& name) : Robot("discovery: {lan: false}", name), components(*session) {}
+  explicit Place(const std::string& name) : Robot(kAlone, name), components(*session) {}
   void Run(const ComponentSetup& setup) {
     components.Add(setup);
     components.Join();
@@ -68,7 +71,7 @@ class TransformsMoveTest : public DomainFixture {
     ASSERT_EQ(step_(pose), PublishStatus::kOk);
   }
 
-  Robot outside_{"discovery: {lan: false}", "outside"};
+  Robot outside_{kAlone, "outside"};
   Publisher<PoseInFrame> step_{outside_->Advertise<PoseInFrame>("step")};
   LookingPlace one_{"one"};
   LookingPlace other_{"other"};
@@ -152,7 +155,7 @@ class StaticEdgesMoveTest : public DomainFixture {
     leaving.Leave();
   }
 
-  Robot outside_{"discovery: {lan: false}", "outside"};
+  Robot outside_{kAlone, "outside"};
   Publisher<PoseInFrame> turn_{outside_->Advertise<PoseInFrame>("turn")};
   Place one_{"one"};
   Place other_{"other"};
@@ -168,7 +171,7 @@ TEST_F(StaticEdgesMoveTest, LateSessionsGetThemFromTheNewPlaceOnly) {
   Place* to = &other_;
   for (int move = 0; move < 3; ++move, std::swap(from, to)) {
     Move(*from, *to);
-    const Robot late{"discovery: {lan: false}", "late"};
+    const Robot late{kAlone, "late"};
     StaticMessages seen(*late.session);
     ASSERT_TRUE(seen.Gets({}) && seen.Gets(all));
     for (const Edges& edges : seen.all()) EXPECT_TRUE(edges.empty() || edges == all);
@@ -182,7 +185,7 @@ TEST_F(StaticEdgesMoveTest, NobodySaysThatTwoSessionsSetThem) {
   Place* to = &other_;
   for (int move = 0; move < 3; ++move, std::swap(from, to)) Move(*from, *to);
   // This is so, and told after the other would have been.
-  Robot second{"discovery: {lan: false}", "second"};
+  Robot second{kAlone, "second"};
   Transforms shared(*second.session);
   ASSERT_TRUE(looking.ToStaticTF("base", "camera", At(5)));
   ASSERT_TRUE(shared.ToStaticTF("base", "camera", At(6)));
@@ -206,7 +209,7 @@ TEST_F(StaticEdgesMoveTest, TheyStayIfTheMoveIsAbandoned) {
     LeavingComponent leaving(one_.components, "mount", [] {});
     arriving.Restore(leaving.Hold(kPatience, other_.session->id()));
   }
-  const Robot late{"discovery: {lan: false}", "late"};
+  const Robot late{kAlone, "late"};
   StaticMessages seen(*late.session);
   ASSERT_TRUE(seen.Gets(all));
   EXPECT_TRUE(Await([&] { return early.all().back() == all; }));

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <list>
@@ -39,7 +40,7 @@ struct Ending {
 /// A running ending_worker. Killed when this object ends.
 class Worker {
  public:
-  explicit Worker(const Ending& ending) {
+  explicit Worker(const Ending& how) : ending(how) {
     std::vector<std::string> command = {test::Path("ending_worker"), "--session=" + ending.owner, "--end=" + ending.end,
                                         "--in=" + ending.kind, "--bus=" + folder.path().string()};
     std::vector<char*> arguments;
@@ -71,6 +72,7 @@ class Worker {
   [[nodiscard]] std::string Errors() const { return folder.Read("log"); }
 
   const ScratchFolder folder;
+  const Ending ending;
 
  private:
   pid_t pid_ = -1;
@@ -85,16 +87,20 @@ TEST(EndingInACallback, KeepsTheExitStatus) {
   for (const std::string kind : {"tbb", "inline"}) {
     endings.insert(endings.end(), {{"default", "exit", kind}, {"default", "destroy", kind}});
   }
-  for (const Ending& ending : endings) {
-    SCOPED_TRACE(ending.owner + " " + ending.end + " " + ending.kind);
+  const auto rounds = static_cast<std::size_t>(test::Rounds(1, 20));
+  const std::size_t at_once = std::max<std::size_t>(rounds, 4);
+  for (std::size_t next = 0; next < endings.size() * rounds;) {
     std::list<Worker> workers;
-    for (int round = 0; round < test::Rounds(2, 20); ++round) workers.emplace_back(ending);
+    for (; workers.size() < at_once && next < endings.size() * rounds; ++next) {
+      workers.emplace_back(endings[next / rounds]);
+    }
     for (Worker& worker : workers) {
+      SCOPED_TRACE(worker.ending.owner + " " + worker.ending.end + " " + worker.ending.kind);
       ASSERT_EQ(worker.Result(), std::to_string(kStatus)) << worker.Errors();
       EXPECT_EQ(worker.Output(), "ending\nstatic object ended\n");
       const std::string errors = worker.Errors();
       const std::string said = "was destroyed inside the callback of its node \"fatal\" on channel";
-      EXPECT_EQ(errors.find(said) != std::string::npos, ending.end == "destroy") << errors;
+      EXPECT_EQ(errors.find(said) != std::string::npos, worker.ending.end == "destroy") << errors;
       EXPECT_EQ(errors.find("Shutting down waits"), std::string::npos) << errors;
     }
   }

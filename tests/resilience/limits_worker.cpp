@@ -1,21 +1,23 @@
 // A program that may not open files or start threads any more.
 //
 //   --lack=files|threads  what it lacks
-//   --left=N              how many more it may have
+//   --left=N,N,...        how many more it may have: each time a process of its own, one after the other
 //   --when=before|after|wired  whether the limit comes before the session, after it, or after the subscription
 //   --do=WHAT             publisher or subscriber (an endpoint; with --when=before it is in the configuration), lan, or
 //                         node (a subscription on the workers, which then gets three messages)
 //
-// Writes "log: LINE" for each line of the session's log, "error: WHAT" for an Error, "got N" messages, and at the end
-// "done". Exit status 77: this machine has no user namespaces.
+// Writes "log: LINE" for each line of the session's log, "error: WHAT" for an Error, "got N" messages, "done", and at
+// the end of each process "end LEFT STATUS". Exit status 77: this machine has no user namespaces.
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <filesystem>
 #include <iterator>
+#include <sstream>
 #include <string>
 
 #include <foxglove/Log.pb.h>
@@ -48,11 +50,8 @@ std::size_t Count(const char* folder) {
 
 class Program {
  public:
-  explicit Program(const Arguments& arguments)
-      : lack_(arguments.Text("lack")),
-        left_(arguments.Number("left")),
-        when_(arguments.Text("when")),
-        what_(arguments.Text("do")) {}
+  Program(const Arguments& arguments, std::size_t left)
+      : lack_(arguments.Text("lack")), left_(left), when_(arguments.Text("when")), what_(arguments.Text("do")) {}
 
   int Run() {
     if (lack_ == "threads" && !BecomeSomebody()) return kForbidden;
@@ -113,4 +112,14 @@ class Program {
 }  // namespace
 }  // namespace hgros::resilience
 
-int main(int count, char** texts) { return hgros::resilience::Program({count, texts}).Run(); }
+int main(int count, char** texts) {
+  const hgros::resilience::Arguments arguments(count, texts);
+  std::istringstream lefts(arguments.Text("left"));
+  for (std::string left; std::getline(lefts, left, ',');) {
+    const pid_t child = fork();
+    if (child == 0) return hgros::resilience::Program(arguments, std::stoull(left)).Run();
+    int status = 0;
+    waitpid(child, &status, 0);
+    hgros::resilience::Say("end " + left + " " + std::to_string(status));
+  }
+}

@@ -139,7 +139,7 @@ TEST_F(ShmProcesses, AStoppedProcessDoesNotStopOthersAndComesBack) {
     WorkerProcess stopped({place, "work"});
     ASSERT_TRUE(survivor.Reaches({{"received", 100}})) << survivor;
     ASSERT_TRUE(stopped.Reaches({{"received", 100}})) << stopped;
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < test::Rounds(1, 2); ++round) {
       const int gone = listener.gone;
       stopped.Stop();
       ASSERT_TRUE(survivor.Gains("published", 100)) << survivor;
