@@ -1,36 +1,16 @@
 # What the suites of the languages in tests/ share.
 
-# hgros_language_tests(suite pattern SOURCES source... COMMAND word... [ENVIRONMENT variable...]
-#                      [PROPERTIES property value...])
-# An entry of ctest, SUITE.NAME, for each part of the sources that matches the pattern; its first group is the name, in
-# the entry with capitals in place of underscores. In COMMAND, ENVIRONMENT and PROPERTIES, @name@ is the name, @source@
-# the file and @stem@ its name without the extension.
-function(hgros_language_tests SUITE PATTERN)
+# hgros_language_tests(suite SOURCES source... COMMAND word... [ENVIRONMENT variable...] [PROPERTIES property value...])
+# An entry of ctest for the tests of each source, SUITE.STEM, since starting an interpreter takes longer than most tests.
+# In COMMAND @source@ is the file and @stem@ its name without the extension. A source without tests must fail.
+function(hgros_language_tests SUITE)
   cmake_parse_arguments(ARG "" "" "SOURCES;COMMAND;ENVIRONMENT;PROPERTIES" ${ARGN})
+  math(EXPR seconds "3 * ${HGROS_TEST_SECONDS}")
   foreach(source IN LISTS ARG_SOURCES)
-    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
     cmake_path(GET source STEM stem)
-    file(READ ${source} text)
-    string(REGEX MATCHALL "${PATTERN}" matches "${text}")
-    foreach(match IN LISTS matches)
-      string(REGEX REPLACE "${PATTERN}" "\\1" name "${match}")
-      set(test ${name})
-      if(name MATCHES "_")
-        string(REGEX MATCHALL "[^_]+" words ${name})
-        set(test)
-        foreach(word IN LISTS words)
-          string(SUBSTRING ${word} 0 1 first)
-          string(SUBSTRING ${word} 1 -1 rest)
-          string(TOUPPER ${first} first)
-          string(APPEND test ${first}${rest})
-        endforeach()
-      endif()
-      string(CONFIGURE "${ARG_COMMAND}" command @ONLY)
-      string(CONFIGURE "${ARG_PROPERTIES}" properties @ONLY)
-      string(CONFIGURE "${ARG_ENVIRONMENT}" environment @ONLY)
-      add_test(NAME ${SUITE}.${test} COMMAND ${command})
-      set_tests_properties(${SUITE}.${test} PROPERTIES ENVIRONMENT "${environment}" ${properties})
-    endforeach()
+    string(CONFIGURE "${ARG_COMMAND}" command @ONLY)
+    add_test(NAME ${SUITE}.${stem} COMMAND ${command})
+    set_tests_properties(${SUITE}.${stem} PROPERTIES ENVIRONMENT "${ARG_ENVIRONMENT}" TIMEOUT ${seconds} ${ARG_PROPERTIES})
   endforeach()
 endfunction()
 

@@ -194,38 +194,4 @@ public static class MessagesTest {
       Equal(0, heard.Count);
     }
   }
-
-  [Test]
-  public static void MemoryStaysTheSameOver100kMessages() {
-    using (var session = new Session())
-    using (var queue = session.Subscribe("words", Log, new SubscribeOptions { KeepAll = 100 }))
-    using (var publisher = session.Advertise("words", Log))
-    using (var callbacks = session.Advertise("more", Log)) {
-      int heard = 0;
-      using (session.Listen("more", Log, log => Interlocked.Increment(ref heard),
-        new SubscribeOptions { KeepAll = 100 })) {
-        Action<int> send = count => {
-          for (int i = 0; i < count; ++i) {
-            publisher.Publish(Say(new string('x', 1000)));
-            Equal(1000, Said(queue.Next()).Length);
-            callbacks.PublishWait(Say("y"), Patience);
-          }
-        };
-        send(20000);
-        long before = Resident();
-        send(100000);
-        long grown = Resident() - before;
-        True(grown < 20 << 20, "100000 messages leave less than 20 MB, not " + grown);
-        Until("all callbacks run", () => heard == 120000);
-      }
-      Equal(0UL, Message.Leases);
-    }
-  }
-
-  private static long Resident() {
-    GC.Collect();
-    GC.WaitForPendingFinalizers();
-    string pages = File.ReadAllText("/proc/self/statm").Split(' ')[1];
-    return long.Parse(pages) * Environment.SystemPageSize;
-  }
 }

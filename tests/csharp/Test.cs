@@ -6,7 +6,7 @@ using System.Threading;
 using System.Threading.Tasks;
 using Hgros;
 
-// A public static method with this attribute is a test. The program runs the one that is named: `Tests.exe NAME`.
+// A public static method with this attribute is a test. The program runs one or those of a class: `Tests.exe NAME`.
 [AttributeUsage(AttributeTargets.Method)]
 internal sealed class TestAttribute : Attribute {}
 
@@ -14,17 +14,22 @@ internal static class Test {
   internal static readonly TimeSpan Patience = TimeSpan.FromSeconds(45);
 
   private static int Main(string[] arguments) {
-    MethodInfo test = typeof(Test).Assembly.GetTypes().SelectMany(type => type.GetMethods())
-      .Single(method => method.Name == arguments[0] && method.IsDefined(typeof(TestAttribute), false));
-    Environment.SetEnvironmentVariable("HGROS_DOMAIN", "csharp-" + Process.GetCurrentProcess().Id);
-    try {
-      ((Action)Delegate.CreateDelegate(typeof(Action), test))();
-    } catch (Exception failure) {
-      Console.WriteLine("FAIL " + test.Name + ": " + failure);
-      return 1;
+    int failed = 0, run = 0;
+    foreach (MethodInfo test in typeof(Test).Assembly.GetTypes().SelectMany(type => type.GetMethods())
+      .Where(method => method.IsDefined(typeof(TestAttribute), false) &&
+        (method.Name == arguments[0] || method.DeclaringType.Name == arguments[0]))) {
+      string domain = "csharp-" + Process.GetCurrentProcess().Id + "-" + ++run;
+      Environment.SetEnvironmentVariable("HGROS_DOMAIN", domain);
+      try {
+        ((Action)Delegate.CreateDelegate(typeof(Action), test))();
+        Console.WriteLine("PASS " + test.Name);
+      } catch (Exception failure) {
+        Console.WriteLine("FAIL " + test.Name + ": " + failure);
+        ++failed;
+      }
     }
-    Console.WriteLine("PASS " + test.Name);
-    return 0;
+    Console.WriteLine(run + " run, " + failed + " failed");
+    return failed == 0 && run > 0 ? 0 : 1;
   }
 
   internal static void Equal<T>(T wanted, T got) {

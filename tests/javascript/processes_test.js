@@ -109,7 +109,7 @@ test('WorkerThreadsHaveSessionsOfTheirOwn', async (t) => {
   const session = open(t);
   const subscription = session.subscribe('from', LOG, { keepAll: 10 });
   const publisher = session.advertise('to', 'foxglove.PointCloud');
-  for (const ending of ['terminate', 'end', 'terminate', 'end']) {
+  for (const ending of ['end', 'terminate', 'end']) {
     const worker = new Worker(IN_WORKER, { eval: true });
     const ended = new Promise((resolve, reject) => worker.on('exit', resolve).on('error', reject));
     await new Promise((resolve) => worker.once('message', resolve));

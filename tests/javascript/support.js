@@ -2,6 +2,7 @@
 
 const { spawn } = require('child_process');
 const { once } = require('events');
+const { beforeEach } = require('node:test');
 const readline = require('readline');
 
 const hgros = require('hgros');
@@ -9,13 +10,24 @@ const hgros = require('hgros');
 const PATIENCE = 45000;
 const patient = { timeout: PATIENCE };
 
-process.env.HGROS_DOMAIN = `js-${process.pid}`;
+let tests = 0;
+beforeEach(() => { process.env.HGROS_DOMAIN = `js-${process.pid}-${++tests}`; });
 
 /** A session that is closed after the test. */
 function open(t, options, yaml) {
   const session = hgros.open(yaml, options);
   t.after(() => session.close());
   return session;
+}
+
+/** Two sessions, and a publisher that has its subscriber. */
+async function pair(t, type, options = {}) {
+  const from = open(t);
+  const to = open(t);
+  const subscription = to.subscribe('words', options.receivedAs ?? type, options.subscribe ?? { keepAll: 10 });
+  const publisher = from.advertise('words', type);
+  await from.waitForSubscribers('words', 1, patient);
+  return { from, to, subscription, publisher };
 }
 
 async function until(what, holds) {
@@ -55,4 +67,4 @@ class Program {
   }
 }
 
-module.exports = { PATIENCE, patient, open, until, Program };
+module.exports = { PATIENCE, patient, open, pair, until, Program };

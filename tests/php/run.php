@@ -1,5 +1,5 @@
 <?php
-// Runs one test: run.php FILE NAME. A test is a function without arguments, which throws if it fails.
+// Runs the tests of a file: run.php FILE [NAME]. They are its functions whose names begin with a capital; one throws if it fails.
 
 declare(strict_types=1);
 
@@ -107,7 +107,27 @@ final class Program
     }
 }
 
-[, $file, $name] = $argv;
-require $file;
-putenv('HGROS_DOMAIN=php-' . getmypid() . '-' . strtolower($name));
-$name();
+$own = get_defined_functions()['user'];
+require $argv[1];
+$process = getmypid();
+$failed = $run = 0;
+foreach (array_diff(get_defined_functions()['user'], $own) as $test) {
+    $name = (new ReflectionFunction($test))->getName(); // With its capitals.
+    if (!ctype_upper($name[0]) || $name !== ($argv[2] ?? $name)) {
+        continue;
+    }
+    ++$run;
+    putenv("HGROS_DOMAIN=php-$process-" . strtolower($name));
+    try {
+        $name();
+        echo "PASS $name\n";
+    } catch (Throwable $failure) {
+        echo "FAIL $name: $failure\n";
+        ++$failed;
+    }
+    if (getmypid() !== $process) {
+        exit(1); // The child of a test that has failed.
+    }
+}
+echo "$run run, $failed failed\n";
+exit($failed === 0 && $run > 0 ? 0 : 1);

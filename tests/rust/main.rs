@@ -1,7 +1,8 @@
-//! The tests of the binding for Rust. CTest runs each in a process of its own.
+//! The tests of the binding for Rust. CTest runs each module in a process of its own.
 
 mod abi_test;
 mod callbacks_test;
+mod memory_test;
 mod messages_test;
 mod parts_test;
 mod queues_test;

@@ -1,12 +1,13 @@
 using System;
+using System.IO;
 using System.Reflection;
 using System.Runtime.InteropServices;
 using System.Threading;
 using Hgros;
 using static Test;
 
-// The end of a program, which must not wait for threads of the library.
-public static class EndTest {
+// What is about a whole process: the end of a program, which must not wait for threads of the library, and its memory.
+public static class ProcessTest {
   private static readonly DynamicType Log = DynamicType.Known("foxglove.Log");
 
   // Callbacks run, or are about to, and nothing is disposed.
@@ -48,6 +49,40 @@ public static class EndTest {
     session.Advertise("words", Log).Publish(new DynamicMessage(Log));
     True(entered.Wait(Patience), "the callback runs");
     Environment.Exit(0);
+  }
+
+  [Test]
+  public static void MemoryStaysTheSameOver100kMessages() {
+    using (var session = new Session())
+    using (var queue = session.Subscribe("words", Log, new SubscribeOptions { KeepAll = 100 }))
+    using (var publisher = session.Advertise("words", Log))
+    using (var callbacks = session.Advertise("more", Log)) {
+      int heard = 0;
+      using (session.Listen("more", Log, log => Interlocked.Increment(ref heard),
+        new SubscribeOptions { KeepAll = 100 })) {
+        Action<int> send = count => {
+          for (int i = 0; i < count; ++i) {
+            publisher.Publish(new DynamicMessage(Log) { ["message"] = new string('x', 1000) });
+            Equal(1000, ((string)queue.Next()["message"]).Length);
+            callbacks.PublishWait(new DynamicMessage(Log), Patience);
+          }
+        };
+        send(20000);
+        long before = Resident();
+        send(100000);
+        long grown = Resident() - before;
+        True(grown < 20 << 20, "100000 messages leave less than 20 MB, not " + grown);
+        Until("all callbacks run", () => heard == 120000);
+      }
+      Equal(0UL, Message.Leases);
+    }
+  }
+
+  private static long Resident() {
+    GC.Collect();
+    GC.WaitForPendingFinalizers();
+    string pages = File.ReadAllText("/proc/self/statm").Split(' ')[1];
+    return long.Parse(pages) * Environment.SystemPageSize;
   }
 
   // The rest uses the C interface itself.
