@@ -2,7 +2,7 @@
 """Runs the SLAM example's robot files, compares their results, and finds planted faults by hgros doctor.
 
     HGROS=<binary> SLAM2D=<folder> SLAM2D_REFERENCE=<binary> SLAM2D_CLOCK=<binary> SLAM2D_FAULTS=<binary>
-        slam2d_robots_test.py [TEST...]
+        slam2d_robots_test.py [CLASS...]
 """
 
 import contextlib
@@ -15,8 +15,9 @@ import signal
 import socket
 import subprocess
 import time
+import unittest
 
-from slam2d_programs import DATA, DEADLINE_S, HGROS, ROBOTS, SCANS, SLOW, Slam2dTest, main
+from slam2d_programs import DATA, DEADLINE_S, HGROS, ROBOTS, SCANS, SLOW, Slam2dTest
 
 SHORT = {"source.params.scans": SCANS}
 
@@ -35,10 +36,13 @@ def free_ports(count):
     return ports
 
 
-class Slam2dRobots(Slam2dTest):
-    def test_one_process_gets_the_reference_result(self):
-        running = self.start("one_process.yaml", SHORT)
+class Slam2dResults(Slam2dTest):
+    def test_one_process_gets_the_reference_result_and_reports_it(self):
+        (self.folder / "some.relations").write_text("0.0 1.0 1.3 0 0 0 0 0\n900.0 901.0 0 0 0 0 0 0\n")
+        running = self.start("one_process.yaml", {**SHORT, "writer.params.relations": "some.relations"})
         self.assertEqual(self.hashes(running), self.reference(SCANS))
+        self.assertRegex(self.report, r"log time    0\.0 s \.\. 9\.9 s, at [0-9.]+ times real time\n")
+        self.assertRegex(self.report, r"relations   1 compared, 1 without poses: [0-9.]+ m \+- 0\.0000 m")
         self.assertTrue((self.folder / "slam2d_out/map.png").read_bytes().startswith(b"\x89PNG"))
         self.assertTrue((self.folder / "slam2d_out/odometry.png").exists())
         self.assertEqual(len((self.folder / "slam2d_out/trajectory.tum").read_text().splitlines()), SCANS)
@@ -67,46 +71,12 @@ class Slam2dRobots(Slam2dTest):
                 code, out, err = self.end(robots["robot2.yaml"])
                 self.assertEqual(code, 0, out + err)
 
-    def test_a_robot_without_a_mapper_says_what_it_waits_for(self):
-        self.on_free_ports("robot1.yaml")
-        alone = self.start("robot1.yaml", SHORT)
-        self.assertIn("Does one run, and do the channels pre_channel, next_channel and map_state pass between the two?",
-                      self.await_line(alone, "It waits for a mapper."))
-        self.start("robot2.yaml")
-        self.assertEqual(self.hashes(alone), self.reference(SCANS))
-
-    def start_closed(self):
-        """A robot that sends no scan to its own mapper."""
-        self.on_free_ports("robot1.yaml")
-        (self.folder / "closed.yaml").write_text("include: robot1.yaml\ncomponents: {mapper: {type: slam2d/Mapper}}\n"
-                                                 "data_graph: {close_channels: [pre_channel]}\n")
-        return self.start("closed.yaml", SHORT)
-
-    def test_a_mapper_that_gets_no_scan_is_missed(self):
-        alone = self.start_closed()
-        self.assertIn("pre_channel", self.await_line(alone, "It waits for the map after the last scan."))
-        alone.send_signal(signal.SIGINT)
-        code, out, err = self.end(alone)
-        self.assertEqual(code, -signal.SIGINT, out + err)
-
-    def test_a_mapper_beside_a_robot_whose_own_one_gets_no_scan_does_its_work(self):
-        self.on_free_ports("robot2.yaml")
-        closed = self.start_closed()
-        self.start("robot2.yaml")
-        self.assertEqual(self.hashes(closed), self.reference(SCANS))
-
-    def test_each_component_may_run_anywhere(self):
-        text = (ROBOTS / "one_process.yaml").read_text().replace("include: ", f"include: {ROBOTS}/")
-        for component in ("source", "matcher", "mapper", "writer"):
-            with self.subTest(component=component):
-                file = self.folder / "apart.yaml"
-                file.write_text(f"{text}processes: {{apart: {{components: [{component}], essential: true}}}}\n")
-                self.assertEqual(self.hashes(self.start("apart.yaml", SHORT)), self.reference(SCANS))
-
     def test_a_paced_log_gets_the_same_result(self):
         settings = {"source.params.scans": 50, "source.params.rate": 10}
         self.assertEqual(self.hashes(self.start("one_process.yaml", settings)), self.reference(50))
 
+
+class Slam2dLogs(Slam2dTest):
     def test_a_log_gets_the_reference_result_in_one_and_three_processes(self):
         log = pathlib.Path(DATA) / "lidar2d/intel.clf.gz"
         if not DATA or not log.exists():
@@ -116,32 +86,113 @@ class Slam2dRobots(Slam2dTest):
         self.assertEqual(self.hashes(self.start("one_process.yaml", settings)), expected)
         self.assertEqual(self.hashes(self.start("three_processes.yaml", settings)), expected)
 
-    def test_the_report_names_the_time_of_the_log_and_compares_relations(self):
-        (self.folder / "some.relations").write_text("0.0 1.0 1.3 0 0 0 0 0\n900.0 901.0 0 0 0 0 0 0\n")
-        settings = {**SHORT, "writer.params.relations": "some.relations"}
-        code, out, err = self.end(self.start("one_process.yaml", settings))
-        self.assertEqual(code, 0, out + err)
-        self.assertRegex(out, r"log time    0\.0 s \.\. 29\.9 s, at [0-9.]+ times real time\n")
-        self.assertRegex(out, r"relations   1 compared, 1 without poses: [0-9.]+ m \+- 0\.0000 m")
 
-    def test_ctrl_c_writes_the_map_so_far(self):
-        settings = {"source.params.rate": 1, "writer.params.out": "so_far"}
-        running = self.start("one_process.yaml", settings)
-        self.hgros_until_it_works(running, "call", "save_map", "{}")  # until the first scans are drawn
+class Slam2dAnywhere(Slam2dTest):
+    def test_each_component_may_run_anywhere(self):
+        text = (ROBOTS / "one_process.yaml").read_text().replace("include: ", f"include: {ROBOTS}/")
+        for component in ("source", "matcher", "mapper", "writer"):
+            with self.subTest(component=component):
+                file = self.folder / "apart.yaml"
+                file.write_text(f"{text}processes: {{apart: {{components: [{component}], essential: true}}}}\n")
+                self.assertEqual(self.hashes(self.start("apart.yaml", SHORT)), self.reference(SCANS))
+
+
+class Slam2dOthers(Slam2dTest):
+    def start_closed(self):
+        """A robot that sends no scan to its own mapper."""
+        self.on_free_ports("robot1.yaml")
+        (self.folder / "closed.yaml").write_text("include: robot1.yaml\ncomponents: {mapper: {type: slam2d/Mapper}}\n"
+                                                 "data_graph: {close_channels: [pre_channel]}\n")
+        return self.start("closed.yaml", SHORT)
+
+    def test_a_robot_without_a_mapper_or_whose_mapper_gets_no_scan_says_what_it_waits_for(self):
+        closed = self.start_closed()
+        self.start_apart()
+        self.on_free_ports("robot1.yaml")
+        alone = self.start("robot1.yaml", SHORT)
+        self.assertIn("Does one run, and do the channels pre_channel, next_channel and map_state pass between the two?",
+                      self.await_line(alone, "It waits for a mapper."))
+        self.start("robot2.yaml")
+        self.assertEqual(self.hashes(alone), self.reference(SCANS))
+        self.assertIn("pre_channel", self.await_line(closed, "It waits for the map after the last scan."))
+        closed.send_signal(signal.SIGINT)
+        code, out, err = self.end(closed)
+        self.assertEqual(code, -signal.SIGINT, out + err)
+
+    def test_a_mapper_beside_a_robot_whose_own_one_gets_no_scan_does_its_work(self):
+        self.on_free_ports("robot2.yaml")
+        closed = self.start_closed()
+        self.start("robot2.yaml")
+        self.assertEqual(self.hashes(closed), self.reference(SCANS))
+
+    def test_another_process_sleeps_by_the_logs_time(self):
+        last_s = (SCANS - 1) / 10  # Ten scans a second.
+        for robot in ("one_process.yaml", "three_processes.yaml"):
+            with self.subTest(robot=robot):
+                follower = self.popen(os.environ["SLAM2D_CLOCK"], 0.0001, last_s)
+                running = self.start(robot, SLOW)
+                # Between the first two scans, for which the robot waits 100 s.
+                shown = float(follower.stdout.readline())
+                self.assertGreaterEqual(shown, 0.0001)
+                self.assertLess(shown, 0.1)
+                # Without a rate the clock steps from scan to scan as they are processed, and stands still at the end.
+                self.hgros_until_it_works(running, "param", "set", "source", "rate", 0)
+                self.assertEqual(float(follower.stdout.readline()), last_s)
+                self.assertEqual(self.hashes(running), self.reference(SCANS))
+
+    def await_channel(self, name, users="publishers"):
+        deadline = time.monotonic() + DEADLINE_S
+        while not any(one["channel"] == name and one[users]
+                      for one in map(json.loads, self.hgros("list", "--json").stdout.splitlines())):
+            self.assertLess(time.monotonic(), deadline, name)
+
+    def test_doctor_finds_five_faults_and_no_others_in_the_demo_itself(self):
+        self.start("one_process.yaml", {"source.params.rate": 1})  # In real time, discovered by others.
+        self.await_channel("trajectory")
+        self.popen(os.environ["SLAM2D_FAULTS"])
+        self.await_channel("trajectroy", "subscribers")
+        self.popen(HGROS, "echo", "map", "--full", stdout=subprocess.DEVNULL)
+        self.await_channel("map", "subscribers")
+        forbidden = self.hgros("control", "forbid", "map", "--session", "main", "--timeout", "30")
+        self.assertEqual(forbidden.returncode, 0, forbidden)
+
+        deadline = time.monotonic() + DEADLINE_S
+        expected = (
+            r'type: reporter:\d+ publishes foxglove.PoseInFrame on "report", but faulty:\d+ subscribes to '
+            r'foxglove.Log',
+            r'name: Nobody publishes "trajectroy", to which faulty:\d+ subscribes. main:\d+ publishes "trajectory"',
+            r'callback: faulty:\d+ slow is busy for \d+ % of the time',
+            r'queue: faulty:\d+ full drops .* because its queue of 4 is full',
+            r'forbidden: main:\d+ publishes "map", to which hgros:\d+ subscribes, but no message passes')
+        while True:  # On a busy machine, not every two seconds show all.
+            done = self.hgros("doctor", "--json", "--timeout", "30")
+            self.assertEqual(done.returncode, 1)
+            findings = [json.loads(line) for line in done.stdout.splitlines()]
+            said = "\n".join(one["check"] + ": " + one["what"] for one in findings)
+            missing = [one for one in expected if not re.search(one, said)]
+            if not missing:
+                break
+            self.assertLess(time.monotonic(), deadline, (missing, said))
+        # A busy machine may slow down the demo.
+        self.assertEqual(sorted(one["check"] for one in findings if one["check"] not in ("callback", "queue")),
+                         ["forbidden", "name", "type"], said)
+        for one in findings:
+            self.assertNotEqual(one["fix"], "", one)
+
+
+class Slam2dEnds(Slam2dTest):
+    def test_the_map_is_saved_on_request_and_by_ctrl_c(self):
+        running = self.start("one_process.yaml", {"source.params.rate": 1, "writer.params.out": "so_far"})
+        # Until the first scans are drawn, and the transforms of source and matcher have come.
+        while "robot" not in (said := self.hgros_until_it_works(running, "call", "save_map", "{}").stdout):
+            self.assertIsNone(running.poll())
+        self.assertIn(f"{self.folder}/so_far/map.png", said)
         (self.folder / "so_far/map.png").unlink()
         running.send_signal(signal.SIGINT)
         _, out, _ = self.end(running)
         self.assertIn("This is the map so far:", out)
         self.assertIn("so_far/odometry.png", out)
         self.assertTrue((self.folder / "so_far/map.png").exists())
-
-    def test_the_map_is_saved_on_request(self):
-        running = self.start("one_process.yaml", {"source.params.scans": 100, "source.params.rate": 2})
-        said = self.hgros_until_it_works(running, "call", "save_map", "{}").stdout
-        self.assertIn(f"{self.folder}/slam2d_out/map.png", said)
-        self.assertIn("robot", said)  # the transforms of source and matcher
-        self.assertTrue((self.folder / "slam2d_out/map.png").exists())
-        self.assertEqual(self.hashes(running), self.reference(100))
 
     def pid_of(self, component):
         for line in self.hgros("ps", "--json").stdout.splitlines():
@@ -203,64 +254,6 @@ class Slam2dRobots(Slam2dTest):
         self.assertEqual(code, 1, out + err)
         self.assertIn("cut.clf.gz", out + err)
 
-    def test_another_process_sleeps_by_the_logs_time(self):
-        last_s = (SCANS - 1) / 10  # Ten scans a second.
-        for robot in ("one_process.yaml", "three_processes.yaml"):
-            with self.subTest(robot=robot):
-                follower = self.popen(os.environ["SLAM2D_CLOCK"], 0.0001, last_s)
-                running = self.start(robot, SLOW)
-                # Between the first two scans, for which the robot waits 100 s.
-                shown = float(follower.stdout.readline())
-                self.assertGreaterEqual(shown, 0.0001)
-                self.assertLess(shown, 0.1)
-                # Without a rate the clock steps from scan to scan as they are processed, and stands still at the end.
-                self.hgros_until_it_works(running, "param", "set", "source", "rate", 0)
-                self.assertEqual(float(follower.stdout.readline()), last_s)
-                self.assertEqual(self.hashes(running), self.reference(SCANS))
-
-    def findings(self):
-        done = self.hgros("doctor", "--json", "--timeout", "30")
-        return done.returncode, [json.loads(line) for line in done.stdout.splitlines()]
-
-    def await_channel(self, name, users="publishers"):
-        deadline = time.monotonic() + DEADLINE_S
-        while not any(one["channel"] == name and one[users]
-                      for one in map(json.loads, self.hgros("list", "--json").stdout.splitlines())):
-            self.assertLess(time.monotonic(), deadline, name)
-
-    def test_finds_nothing_in_the_demo_itself_and_then_five_faults(self):
-        self.start("one_process.yaml", {"source.params.rate": 1})  # In real time, discovered by others.
-        self.await_channel("trajectory")
-        _, findings = self.findings()
-        # A busy machine may slow down the demo.
-        self.assertEqual([one for one in findings if one["check"] in ("type", "name", "publisher", "forbidden")], [])
-
-        self.popen(os.environ["SLAM2D_FAULTS"])
-        self.await_channel("trajectroy", "subscribers")
-        self.popen(HGROS, "echo", "map", "--full", stdout=subprocess.DEVNULL)
-        self.await_channel("map", "subscribers")
-        forbidden = self.hgros("control", "forbid", "map", "--session", "main", "--timeout", "30")
-        self.assertEqual(forbidden.returncode, 0, forbidden)
-
-        deadline = time.monotonic() + DEADLINE_S
-        expected = (
-            r'type: reporter:\d+ publishes foxglove.PoseInFrame on "report", but faulty:\d+ subscribes to '
-            r'foxglove.Log',
-            r'name: Nobody publishes "trajectroy", to which faulty:\d+ subscribes. main:\d+ publishes "trajectory"',
-            r'callback: faulty:\d+ slow is busy for \d+ % of the time',
-            r'queue: faulty:\d+ full drops .* because its queue of 4 is full',
-            r'forbidden: main:\d+ publishes "map", to which hgros:\d+ subscribes, but no message passes')
-        while True:  # On a busy machine, not every two seconds show all.
-            code, findings = self.findings()
-            self.assertEqual(code, 1)
-            said = "\n".join(one["check"] + ": " + one["what"] for one in findings)
-            missing = [one for one in expected if not re.search(one, said)]
-            if not missing:
-                break
-            self.assertLess(time.monotonic(), deadline, (missing, said))
-        for one in findings:
-            self.assertNotEqual(one["fix"], "", one)
-
 
 if __name__ == "__main__":
-    main(Slam2dRobots)
+    unittest.main()
