@@ -1,7 +1,7 @@
 import os
 import signal
 
-from support import RobotTest, main
+from support import RobotTest, main, rounds
 
 import hgros
 from foxglove.Log_pb2 import Log
@@ -275,7 +275,7 @@ class Processes(RobotTest):
             "        try: publisher.publish(Log(), timeout=0.01)\n"
             "        except hgros.QueueFull: pass\n"
             "threading.Thread(target=publish).start()\n"
-            "for _ in range(20):\n"
+            f"for _ in range({rounds(4, 20)}):\n"
             "    next(messages)\n"
             "    child = os.fork()\n"
             "    if child == 0:\n"

@@ -23,6 +23,11 @@ def wait_until(predicate, what="the predicate"):
         time.sleep(0.002)
 
 
+def rounds(few, many):
+    """How often a test repeats what only chance may break: `few` times, or `many` with random seeds."""
+    return many if os.environ.get("HGROS_SEED") == "random" else few
+
+
 class RobotTest(unittest.TestCase):
     """Each test has a domain of its own."""
 
