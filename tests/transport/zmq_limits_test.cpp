@@ -18,6 +18,7 @@
 #include "support/await.hpp"
 #include "support/few_descriptors.hpp"
 #include "support/relay_port.hpp"
+#include "support/seed.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq/endpoint.hpp"
 #include "transport/zmq/publish/accepted_connections.hpp"
@@ -214,7 +215,7 @@ TEST_F(ZmqLimits, APingOfAConnectionThatIsResetEndsNothing) {
   std::string frames;
   for (int i = 0; i < 20; ++i) frames += Frame('\1' + PlainTopic("other"));
   for (int i = 0; i < 3; ++i) frames += kPing;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < test::Rounds(50, 200); ++i) {
     Client client(endpoint);
     ASSERT_TRUE(client.Send(frames));
     client.Reset();
@@ -226,7 +227,7 @@ TEST_F(ZmqLimits, APingOfAConnectionThatIsClosedHereEndsNothing) {
   std::string frames = Frame("\1not a topic");
   for (int i = 0; i < 20; ++i) frames += Frame('\1' + PlainTopic("other"));
   for (int i = 0; i < 3; ++i) frames += kPing;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < test::Rounds(20, 50); ++i) {
     const Client client(endpoint);
     ASSERT_TRUE(client.Send(frames));
     ASSERT_TRUE(Eventually([&] { return client.WasClosed(); }));
@@ -442,7 +443,7 @@ TEST_F(ZmqLimits, AConnectionMaySubscribeToAsManyChannelsAsThereMayBe) {
   std::string frames;
   for (int i = 0; i < 16'000; ++i) frames += Frame('\1' + PlainTopic("robot/sensors/camera/" + std::to_string(i)));
   // Again and again the same one.
-  for (int i = 0; i < 50'000; ++i) {
+  for (int i = 0; i < 20'000; ++i) {
     const std::string topic = PlainTopic("flapping");
     frames += Frame('\1' + topic) + Frame('\0' + topic);
   }
@@ -529,7 +530,7 @@ TEST(ZmqUnfinishedMessages, AMessageNowAndThenWakesOnce) {
   auto now = std::chrono::steady_clock::now();
   unfinished.Add(pair.ours, now);
   std::array<char, 30> message{};
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 0; i < test::Rounds(4, 10); ++i) {
     now += std::chrono::milliseconds(150);
     ASSERT_EQ(send(pair.theirs, message.data(), message.size(), 0), static_cast<ssize_t>(message.size()));
     pollfd ready{unfinished.fd(), POLLIN, 0};
@@ -724,7 +725,7 @@ TEST_F(ZmqAcceptedConnections, AConnectionThatSubscribesToNothingIsClosed) {
 // ZeroMQ would wait without a limit for a connection that breaks at the same moment and has messages left, if a socket
 // had no limit when it was bound.
 TEST(ZmqBrokenConnections, DoNotHoldUpTheEndOfTheirSocket) {
-  for (int round = 0; round < 50; ++round) {
+  for (int round = 0; round < test::Rounds(10, 50); ++round) {
     auto context = std::make_unique<zmq::Context>();
     zmq::Socket publisher(*context, ZMQ_XPUB);
     publisher.Set(ZMQ_XPUB_VERBOSER, 1);

@@ -9,6 +9,7 @@
 #include "hgros/base/memory_room.hpp"
 #include "support/await.hpp"
 #include "support/relay_port.hpp"
+#include "support/seed.hpp"
 #include "transport/agreement.hpp"
 #include "transport/zmq/control.hpp"
 #include "transport/zmq_places.hpp"
@@ -108,8 +109,9 @@ TEST(ZmqUnfinishedMessage, AConnectionWithManyWholeMessagesStays) {
   ASSERT_TRUE(server.Accept());
   std::string messages;
   for (int i = 0; i < 10'000; ++i) messages += Frame("other", true) + Frame("");
-  for (int i = 0; i < 200; ++i) ASSERT_TRUE(server.Send(messages));
-  for (int i = 0; i < 20; ++i) ASSERT_TRUE(server.Send(Frame("other", true) + Frame(std::string(4 << 20, 'x'))));
+  for (int i = 0; i < test::Rounds(50, 200); ++i) ASSERT_TRUE(server.Send(messages));
+  for (int i = 0; i < test::Rounds(5, 20); ++i)
+    ASSERT_TRUE(server.Send(Frame("other", true) + Frame(std::string(4 << 20, 'x'))));
   test::Linger(std::chrono::milliseconds(200));
   EXPECT_TRUE(server.Send(messages));
   EXPECT_EQ(subscriber.Overruns(), 0U);
@@ -150,11 +152,11 @@ TEST(ZmqUnfinishedMessage, ItsProgressIsASignOfLife) {
                      });
   slow.Spoil();
   conformance::Publication out(*publisher.transport, "scan");
-  Place subscriber{SubscribeAt(slow.endpoint())};
+  Place subscriber{SubscribeAt(slow.endpoint()), std::chrono::seconds(2)};
   const Reception in(*subscriber.transport, "scan");
   ASSERT_TRUE(out.Joined());
-  // It takes longer than the patience with a silent peer: 3 s.
-  ASSERT_EQ(out.Publish(std::string(4'500'000, 'x')), PublishStatus::kOk);
+  // It takes longer than the patience with a silent peer: 2 s.
+  ASSERT_EQ(out.Publish(std::string(3'000'000, 'x')), PublishStatus::kOk);
   EXPECT_TRUE(test::Await([&] { return in.sink.count() == 1; }, std::chrono::seconds(60)));
   EXPECT_EQ(subscriber.listener.gone, 0);
   EXPECT_EQ(subscriber.Overruns(), 0U);

@@ -219,11 +219,11 @@ TEST(PlainSubscriber, GetsThreeFramesAndCountsAsOne) {
 }
 
 TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
-  constexpr int kMessages = 1000;
+  constexpr int kMessages = 300;
   Folder folder;
   for (const std::string& endpoint : {folder.Ipc(), std::string("tcp://127.0.0.1:*")}) {
     ZmqOptions options = PublishAt(endpoint);
-    options.plain_queue_bytes = 16 << 20;
+    options.plain_queue_bytes = 4 << 20;
     Place place(std::move(options));
     Publication out(*place.transport, "cloud");
     const RawSocket stuck(place.Bound(), "cloud", 1), reader(place.Bound(), "cloud");
@@ -233,7 +233,8 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
       (void)out.Publish(std::string(100'000, 'x'));
       received += reader.Receive(20).empty() ? 0 : 1;
     }
-    while (!reader.Receive(500).empty()) ++received;  // On a busy machine it is some messages behind.
+    // On a busy machine it is some messages behind.
+    while (received <= kMessages * 9 / 10 && !reader.Receive(500).empty()) ++received;
     EXPECT_GT(received, kMessages * 9 / 10) << endpoint;
     EXPECT_TRUE(place.Said("does not read fast enough")) << endpoint;
     // It learns that, and connects again.
@@ -255,8 +256,10 @@ TEST(PlainSubscriber, IsNotCutOffIfItsConnectionIsASessions) {
   ASSERT_FALSE(session.Receive().empty()) << "its Welcome";
   ASSERT_TRUE(out.Joined());
   ASSERT_TRUE(test::Await([&] {
-    (void)out.Publish(std::string(100'000, 'x'));
-    (void)reader.Receive(10);
+    for (int i = 0; i < 5; ++i) {
+      (void)out.Publish(std::string(100'000, 'x'));
+      (void)reader.Receive(10);
+    }
     return out.channel->stats().dropped >= 100 || place.Said("does not read fast enough");
   })) << "the bytes of all plain subscribers are not used up";
   EXPECT_FALSE(place.Said("does not read fast enough"));

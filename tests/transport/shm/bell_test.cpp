@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::shm {
 namespace {
@@ -32,7 +33,7 @@ struct Ringer {
 enum class Visitor { kNone, kLooks, kWaitsFirst };
 
 void RingAndWait(Patience patience, int ringers, int waiters, Visitor visitor) {
-  constexpr int kRounds = 1500;
+  const int rounds = test::Rounds(400, 1500);
   SessionBell bell(patience);
   std::vector<std::atomic<int>> seen(static_cast<std::size_t>(ringers));
   std::atomic<bool> stop{false};
@@ -76,7 +77,7 @@ void RingAndWait(Patience patience, int ringers, int waiters, Visitor visitor) {
     threads.emplace_back([&, i] {
       const Ringer ringer(bell, static_cast<std::uint32_t>(i));
       std::minstd_rand random(static_cast<unsigned>(i));
-      for (int round = 1; round <= kRounds && !stop; ++round) {
+      for (int round = 1; round <= rounds && !stop; ++round) {
         ringer.peer->Ring();
         while (seen[static_cast<std::size_t>(i)] < round && !stop) std::this_thread::yield();
         for (auto pause = random() % 300; pause > 0; --pause) std::atomic_signal_fence(std::memory_order_seq_cst);

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "support/seed.hpp"
 #include "transport/shm/memory/layout.hpp"
 
 namespace hgros::shm {
@@ -39,9 +40,9 @@ void Mark(Taken& taken) {
 
 /// Compares with a model: a block that was taken and not returned keeps its bytes, is at its stated place, and
 /// overlaps no other block.
-void AgainstAModel(unsigned seed, std::uint64_t limit_bytes, std::size_t largest) {
+void AgainstAModel(int seed, std::uint64_t limit_bytes, std::size_t largest) {
   SCOPED_TRACE("seed " + std::to_string(seed));
-  std::minstd_rand random(seed);
+  std::minstd_rand random(static_cast<unsigned>(seed));
   const auto pool = Pool(limit_bytes);
   std::vector<Taken> model;
   std::map<std::uint32_t, bool> gone;
@@ -92,7 +93,7 @@ void AgainstAModel(unsigned seed, std::uint64_t limit_bytes, std::size_t largest
 }
 
 TEST(ShmBlockPool, AgreesWithANaiveModel) {
-  for (unsigned seed = 1; seed <= 6; ++seed) {
+  for (int seed = 1; seed <= test::Rounds(2, 6); ++seed) {
     AgainstAModel(seed, 64 * kMega, 8 * kMega);
     AgainstAModel(seed, 2 * kMega, kMega);
   }

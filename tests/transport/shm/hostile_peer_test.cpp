@@ -12,6 +12,7 @@
 #include "conformance/transport_conformance.hpp"
 #include "hgros/transport/shm_transport.hpp"
 #include "support/await.hpp"
+#include "support/seed.hpp"
 #include "transport/shm/false_peer.hpp"
 
 namespace hgros::shm {
@@ -201,8 +202,6 @@ TEST_F(HostilePeer, InvalidMessagesEndThePair) {
   ExpectLie("not numbered consecutively", changed([](Descriptor& one) { one.number = 0; }));
   ExpectLie("outside of its memory", changed([](Descriptor& one) { one.size_bytes = 1; }));
   ExpectLie("outside of its memory", changed([](Descriptor& one) { one.offset_bytes = ~0ULL; }));
-  ExpectLie("a segment or payload that did not come", changed([](Descriptor& one) { one.segment = 77; }));
-  ExpectLie("a segment or payload that did not come", changed([](Descriptor& one) { one.segment = kOnSocket; }));
   for (const std::uint64_t written : {std::uint64_t{kSlots + 1}, ~std::uint64_t{0}}) {
     ExpectLie("more messages than slots", [&](FalsePeer& peer) {
       peer.lane().written = written;
@@ -380,14 +379,24 @@ TEST_F(HostilePeer, APeerThatHasNotGreetedMaySendOnlySmallFrames) {
   ExpectEnd(peer, "a frame of 1048576 bytes");
 }
 
-TEST_F(HostilePeer, APeerThatDoesNotGreetIsDisconnected) {
-  FalsePeer peer(place);
-  FalsePeer wordy(place);
+TEST_F(HostilePeer, AGreetingASegmentOrAPayloadThatDoesNotComeEndsThePair) {
+  FalsePeer mute(place), wordy(place), segment(place), payload(place);
   wire::PairMessage said;
   said.mutable_unwish()->set_link(1);
   wordy.Say(said);
-  EXPECT_TRUE(peer.IsEnded());
-  EXPECT_TRUE(wordy.IsEnded());
+  for (FalsePeer* const peer : {&segment, &payload}) {
+    ASSERT_TRUE(peer->Publish());
+    Descriptor next = peer->NextMessage();
+    next.segment = peer == &segment ? 77 : kOnSocket;
+    peer->Write(next);
+  }
+  EXPECT_TRUE(Await([&] {
+    segment.Ring();
+    payload.Ring();
+    return kept.TimesSaid("a segment or payload that did not come") == 2;
+  }));
+  for (FalsePeer* const peer : {&mute, &wordy, &segment, &payload}) EXPECT_TRUE(peer->IsEnded());
+  EXPECT_TRUE(Await([&] { return victim->transport->Peers().size() == 1; }));
 }
 
 TEST_F(HostilePeer, RefusesASessionIdThatIsInUse) {
@@ -504,7 +513,7 @@ TEST_F(HostilePeer, MessagesArriveAlthoughAPeerDamagesTheBell) {
   }));
   ASSERT_NE(bell, nullptr);
   auto& page = bell->as<BellPage>();
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < test::Rounds(6, 20); ++i) {
     page.magic = 0;
     page.asleep.fetch_and(~1u);
     for (auto& word : page.ready) word = 0;

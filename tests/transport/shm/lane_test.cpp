@@ -8,6 +8,7 @@
 
 #include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
+#include "support/seed.hpp"
 #include "transport/shm/memory/lane_reader.hpp"
 #include "transport/shm/memory/lane_writer.hpp"
 #include "transport/shm/pair_inbox.hpp"
@@ -47,9 +48,9 @@ Descriptor Numbered(std::uint64_t number) {
 }
 
 TEST(ShmLane, AgreesWithAModelForAnyOrderOfReturns) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  for (int seed = 1; seed <= test::Rounds(2, 5); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    std::minstd_rand random(seed);
+    std::minstd_rand random(static_cast<unsigned>(seed));
     Lane lane;
     std::deque<std::uint64_t> unread;                           // Model of the ring.
     std::vector<std::pair<std::uint32_t, std::uint64_t>> held;  // Slot and number, read and not returned.

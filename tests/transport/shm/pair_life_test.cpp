@@ -31,24 +31,8 @@ class ShmPairLife : public testing::Test {
     reader = MakeShmTransport(options, listener, kept.log);
     lies.emplace(*reader, "lies", TextType(), Demand{.credit_messages = 256, .credit_bytes = 1 << 20});
   }
-  /// Subscribes to the channel `out`.
-  static bool Subscribe(FalsePeer& peer, std::uint64_t bytes = 10'000) {
-    return peer.Meet() && peer.Subscribe("out", TextType(), 4, bytes);
-  }
-  /// Calls `act` every few milliseconds until a peer that begins now, and then does nothing, was silent for too long. A
-  /// peer that beats no more, and whose acts are no sign of life, goes no later than that one.
-  void ActUntilAnotherIsTooSilent(const std::function<void()>& act) {
-    FalsePeer silent(place);
-    ASSERT_TRUE(silent.Meet());
-    const auto is_peer = [&] {
-      const auto peers = reader->Peers();
-      return std::ranges::any_of(peers, [&](const PeerInfo& peer) { return peer.id == silent.id(); });
-    };
-    ASSERT_TRUE(Await(is_peer));
-    ASSERT_TRUE(Await([&] {
-      act();
-      return !is_peer();
-    }));
+  static bool Subscribe(FalsePeer& peer, const std::string& channel, std::uint64_t bytes = 10'000) {
+    return peer.Meet() && peer.Subscribe(channel, TextType(), 4, bytes);
   }
   /// Prepares that the reading thread waits at the door.
   void HoldReader() {
@@ -82,54 +66,6 @@ class ShmPairLife : public testing::Test {
   std::optional<Publication> to_gate;
 };
 
-TEST_F(ShmPairLife, ASlowPayloadDoesNotCountAsSilence) {
-  FalsePeer peer(place);
-  ASSERT_TRUE(peer.Publish(4, 1 << 20));
-  const std::string data(90'000, 'x');
-  wire::PairMessage said;
-  said.mutable_payload()->set_link(peer.wish.link());
-  said.mutable_payload()->set_number(1);
-  said.mutable_payload()->set_data(data);
-  std::string frame(8, '\0');
-  said.AppendToString(&frame);
-  const auto length = static_cast<std::uint32_t>(frame.size() - 8);
-  std::memcpy(frame.data(), &length, sizeof length);
-  Descriptor next = peer.NextMessage();
-  next.segment = kOnSocket;
-  next.size_bytes = data.size();
-  peer.Write(next);
-  // From now on its heartbeat stands still; it sends only single bytes of the frame.
-  std::size_t sent = 0;
-  ActUntilAnotherIsTooSilent([&] { peer.SayRaw(frame.substr(sent++, 1)); });
-  peer.SayRaw(frame.substr(sent));
-  EXPECT_TRUE(Await([&] { return lies->sink.count() == 1; }));
-  EXPECT_EQ(listener.gone, 1);
-}
-
-TEST_F(ShmPairLife, ASlowReaderOfALargeMessageDoesNotCountAsSilent) {
-  constexpr std::size_t kSize = 64 << 20;
-  const auto data = std::make_shared<const std::string>(kSize, 'x');  // Before there is a peer that waits for it.
-  Publication out(*reader, "out");
-  FalsePeer peer(place);
-  ASSERT_TRUE(Subscribe(peer, kSize));
-  ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
-  out.channel->Commit(out.NextHead(), {AsBytes(*data), data});
-  // From now on its heartbeat stands still; it only reads.
-  std::string room(1 << 20, '\0');
-  std::size_t received = 0;
-  const auto receive = [&](std::size_t most) {
-    received += static_cast<std::size_t>(
-        std::max(recv(peer.socket().handle()->fd(), room.data(), most, MSG_DONTWAIT), ssize_t{0}));
-  };
-  ActUntilAnotherIsTooSilent([&] { receive(65'536); });  // The socket takes more when it is half empty.
-  EXPECT_LT(received, kSize) << "it was to be slow";
-  EXPECT_TRUE(Await([&] {
-    receive(room.size());
-    return received > kSize;
-  }));
-  EXPECT_EQ(listener.gone, 1);
-}
-
 /// Keeps the unconfirmed messages of subscribers that may still be alive.
 struct KeepingSource final : conformance::Source {
   bool OnCut(SessionId, const Demand&, std::vector<OutboundMessage>&&) noexcept override {
@@ -139,19 +75,62 @@ struct KeepingSource final : conformance::Source {
   std::atomic<int> cuts{0};
 };
 
-TEST_F(ShmPairLife, SourceKeepsMessagesForALostPeerButNotForASilentOne) {
+TEST_F(ShmPairLife, ASlowPayloadOrReaderOfALargeMessageIsNotSilentAndASourceKeepsNothingForOneThatIs) {
+  constexpr std::size_t kSize = 16 << 20;
+  const auto large = std::make_shared<const std::string>(kSize, 'x');  // Before there is a peer that waits for it.
+  Publication out(*reader, "out");
   KeepingSource keeping;
-  const auto out = reader->Advertise("out", TextType(), keeping);
-  FalsePeer silent(place);
-  ASSERT_TRUE(Subscribe(silent));
-  EXPECT_EQ(out->subscriber_count(), 1U);
-  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; })) << "its heartbeat stands still";
+  const auto kept_out = reader->Advertise("kept", TextType(), keeping);
+  FalsePeer writing(place), reading(place), silent(place);
+
+  ASSERT_TRUE(writing.Publish(4, 1 << 20));
+  const std::string data(90'000, 'x');
+  wire::PairMessage said;
+  said.mutable_payload()->set_link(writing.wish.link());
+  said.mutable_payload()->set_number(1);
+  said.mutable_payload()->set_data(data);
+  std::string frame(8, '\0');
+  said.AppendToString(&frame);
+  const auto length = static_cast<std::uint32_t>(frame.size() - 8);
+  std::memcpy(frame.data(), &length, sizeof length);
+  Descriptor next = writing.NextMessage();
+  next.segment = kOnSocket;
+  next.size_bytes = data.size();
+  writing.Write(next);
+  ASSERT_TRUE(Subscribe(reading, "out", kSize));
+  ASSERT_EQ(out.channel->Reserve(), PublishStatus::kOk);
+  out.channel->Commit(out.NextHead(), {AsBytes(*large), large});
+  ASSERT_TRUE(Subscribe(silent, "kept"));
+  EXPECT_EQ(kept_out->subscriber_count(), 1U);
+  // From now on their heartbeats stand still. One sends only single bytes of the frame, another only reads.
+  std::size_t sent = 0;
+  std::size_t received = 0;
+  std::string room(1 << 20, '\0');
+  const auto receive = [&](std::size_t most) {
+    const ssize_t got = recv(reading.socket().handle()->fd(), room.data(), most, MSG_DONTWAIT);
+    received += static_cast<std::size_t>(std::max(got, ssize_t{0}));
+    return got > 0;
+  };
+  ASSERT_TRUE(Await([&] {
+    writing.SayRaw(frame.substr(sent++, 1));
+    receive(8192);  // The socket takes more when it is half empty.
+    return kept_out->subscriber_count() == 0;
+  }));
   EXPECT_EQ(keeping.cuts, 0);
+  EXPECT_LT(received, kSize) << "it was to be slow";
+  writing.SayRaw(frame.substr(sent));
+  EXPECT_TRUE(Await([&] { return lies->sink.count() == 1; }));
+  EXPECT_TRUE(Await([&] {
+    while (receive(room.size())) {
+    }
+    return received > kSize;
+  }));
+  EXPECT_EQ(listener.gone, 1);
   FalsePeer lost(place);
-  ASSERT_TRUE(Subscribe(lost));
+  ASSERT_TRUE(Subscribe(lost, "kept"));
   lost.Hang();
-  ASSERT_TRUE(Await([&] { return out->subscriber_count() == 0; }));
-  EXPECT_EQ(keeping.cuts, 1);
+  ASSERT_TRUE(Await([&] { return kept_out->subscriber_count() == 0; }));
+  EXPECT_EQ(keeping.cuts, 1) << "it may still be alive";
 }
 
 TEST_F(ShmPairLife, ReadsPairsOfOneSessionInOrderOfTheirCreation) {
