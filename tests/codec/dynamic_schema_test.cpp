@@ -65,17 +65,16 @@ TEST(DynamicSchema, RefusesAMessageThatTakesMuchMoreMemoryThanItsSize) {
   ASSERT_NE(schema, nullptr);
   foxglove::PointCloud one;
   one.add_fields();
-  const std::string field = one.SerializeAsString();
-  std::string hostile;
-  while (hostile.size() < (8 << 20)) hostile += field;  // 4 million empty fields.
+  std::string hostile = one.SerializeAsString();
+  while (hostile.size() < (8 << 20)) hostile += hostile;  // 4 million empty fields.
   EXPECT_EQ(schema->Read(AsBytes(hostile)), nullptr);
   EXPECT_NE(schema->Read(AsBytes(hostile).first(1 << 20)), nullptr);
   EXPECT_EQ(schema->Read(AsBytes(hostile).first(1 << 20), 1 << 20), nullptr);
   std::string fault;
   EXPECT_EQ(schema->Read(AsBytes(hostile).first(1 << 20), fault, 1 << 20), nullptr);
   EXPECT_EQ(fault, "Its 1048576 bytes are estimated to take more than 1048576 bytes of memory beyond their own size.");
-  std::string unknown;
-  while (unknown.size() < (32 << 20)) unknown += "\x78\x01";  // Field 15.
+  std::string unknown = "\x78\x01";  // Field 15.
+  while (unknown.size() < (32 << 20)) unknown += unknown;
   EXPECT_EQ(schema->Read(AsBytes(unknown)), nullptr);
   foxglove::PointCloud large;
   large.mutable_data()->resize(64 << 20);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::test {
 namespace {
@@ -65,7 +66,7 @@ TEST(ComponentGuardTest, SavesBetweenCallbacksThatFollowEachOtherWithoutAPause) 
       }
     });
   }
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < Rounds(1, 2); ++i) {
     const int before = ran;
     ASSERT_TRUE(Await([&] { return ran > before + 10; }));
     int saved = -1;

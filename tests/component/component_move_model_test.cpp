@@ -11,6 +11,7 @@
 #include "hgros/component/component.hpp"
 #include "hgros/component/component_move.hpp"
 #include "session/domain_fixture.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::test {
 namespace {
@@ -220,7 +221,7 @@ class ComponentMoveModelTest : public DomainFixture {
 };
 
 TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
-  constexpr int kMoves = kSlowly ? 8 : 25;
+  const int moves = kSlowly ? 8 : Rounds(10, 25);
   pauses.Clear();
   const auto seed = static_cast<std::uint32_t>(testing::UnitTest::GetInstance()->random_seed());
   SCOPED_TRACE("--gtest_shuffle --gtest_random_seed=" + std::to_string(seed));
@@ -252,7 +253,7 @@ TEST_F(ComponentMoveModelTest, AnyWayThroughThreePlacesLooksLikeOne) {
   // The first messages of a publisher that begins in the middle of a move may come before it knows the new place.
   ASSERT_TRUE(Await([&] { return !SeenOf("far").empty() && !SeenOf("near").empty() && !SeenOf("latched").empty(); }));
   std::size_t at = 0;
-  for (int i = 0; i < kMoves && !HasFailure(); ++i) {
+  for (int i = 0; i < moves && !HasFailure(); ++i) {
     const std::size_t to = (at + 1 + random() % 2) % places.size();
     const std::size_t before = seen_count_;
     Move(*places.at(at), *places.at(to));

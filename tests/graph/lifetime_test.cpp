@@ -60,7 +60,7 @@ TEST_P(LifetimeOnEveryExecutor, ASubscriptionMayBeDestroyedInItsOwnCallback) {
 }
 
 TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallbacks) {
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < test::Rounds(6, 20); ++round) {
     // Declared before the graph, because its destructor waits for callbacks that are still in flight.
     Subscription first;
     Subscription second;
@@ -89,7 +89,7 @@ TEST_P(LifetimeOnEveryExecutor, TwoSubscriptionsMayDestroyEachOtherInTheirCallba
 }
 
 TEST_P(LifetimeOnEveryExecutor, GraphDestroyedUnderLoadRefusesPublishesAndStops) {
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < test::Rounds(8, 20); ++round) {
     auto graph = std::make_unique<DataGraph>();
     std::vector<Subscription> subscriptions;
     for (int i = 0; i < 3; ++i) {
@@ -136,35 +136,39 @@ TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription)
   subscription.reset();
 }
 
-TEST_P(LifetimeOnEveryExecutor, NamesTheNodeForWhoseCallbackAnEndWaits) {
-  Heard heard;
-  CountingDoor door;
-  DataGraph graph(GraphOptions{}, heard.MakeLog());
-  auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(executor(), {}, "stuck_planner"));
-  std::jthread publisher([&] { (void)graph.ToGraph("c", std::make_unique<int>(1)); });
-  ASSERT_TRUE(door.AwaitOne());
-  std::jthread opener([&] {
-    EXPECT_TRUE(Await([&] {
-      return heard.Contains("The end of the subscription of node \"stuck_planner\" on channel \"c\" waits");
-    }));
+TEST(Lifetime, AnEndNamesTheNodeForWhoseCallbackItWaitsOnEveryExecutor) {
+  const auto end_of_subscription = [](const Executor& executor) {
+    Heard heard;
+    CountingDoor door;
+    DataGraph graph(GraphOptions{}, heard.MakeLog());
+    auto subscription = graph.FromGraph<int>(
+        "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(executor, {}, "stuck_planner"));
+    std::jthread publisher([&] { (void)graph.ToGraph("c", std::make_unique<int>(1)); });
+    ASSERT_TRUE(door.AwaitOne());
+    std::jthread opener([&] {
+      EXPECT_TRUE(Await([&] {
+        return heard.Contains("The end of the subscription of node \"stuck_planner\" on channel \"c\" waits");
+      }));
+      door.Open();
+    });
+    subscription.Reset();
+    EXPECT_EQ(heard.Count("stuck_planner"), 1U);
+  };
+  const auto shutdown = [] {
+    Heard heard;
+    CountingDoor door;
+    auto graph = std::make_unique<DataGraph>(GraphOptions{}, heard.MakeLog());
+    const auto subscription = graph->FromGraph<int>(
+        "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(Executor::Tbb(), {}, "stuck_planner"));
+    (void)graph->ToGraph("c", std::make_unique<int>(1));
+    ASSERT_TRUE(door.AwaitOne());
+    std::jthread destroyer([&] { graph.reset(); });
+    EXPECT_TRUE(Await([&] { return heard.Contains("stuck_planner"); }));
     door.Open();
-  });
-  subscription.Reset();
-  EXPECT_EQ(heard.Count("stuck_planner"), 1U);
-}
-
-TEST(Lifetime, LogsTheNodeForWhichShutdownWaits) {
-  Heard heard;
-  CountingDoor door;
-  auto graph = std::make_unique<DataGraph>(GraphOptions{}, heard.MakeLog());
-  const auto subscription = graph->FromGraph<int>(
-      "c", Invoke::kSerial, [&](const int&) { door.Pass(); }, Options(Executor::Tbb(), {}, "stuck_planner"));
-  (void)graph->ToGraph("c", std::make_unique<int>(1));
-  ASSERT_TRUE(door.AwaitOne());
-  std::jthread destroyer([&] { graph.reset(); });
-  EXPECT_TRUE(Await([&] { return heard.Contains("stuck_planner"); }));
-  door.Open();
+  };
+  std::vector<std::jthread> at_once;
+  for (const Executor& executor : AllExecutors()) at_once.emplace_back(end_of_subscription, executor);
+  at_once.emplace_back(shutdown);
 }
 
 TEST(Lifetime, SubscriptionsComeAndGoDuringPublishingAtAnyThreadCount) {
@@ -184,7 +188,7 @@ TEST(Lifetime, SubscriptionsComeAndGoDuringPublishingAtAnyThreadCount) {
     }
     std::mt19937_64 random(Seed());
     std::vector<Subscription> subscriptions;
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < Rounds(100, 300); ++i) {
       if (subscriptions.size() < 10 && random() % 2 == 0) {
         const auto executors = AllExecutors();
         subscriptions.push_back(graph.FromGraph<int>(
