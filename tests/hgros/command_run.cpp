@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <future>
 #include <iterator>
 #include <sstream>
 #include <utility>
@@ -107,8 +108,14 @@ int CommandRun::Wait(std::chrono::nanoseconds patience) {
   return status_;
 }
 
-bool CommandRun::Prints(const std::string& text) const {
-  return test::Await([&] { return out().find(text) != std::string::npos; });
+bool CommandRun::Prints(const std::string& text, std::chrono::nanoseconds patience) const {
+  const auto contains = [&, seen = std::size_t{0}]() mutable {
+    const std::scoped_lock lock(mutex_);
+    const bool found = out_.find(text, seen) != std::string::npos;
+    seen = out_.size() - std::min(out_.size(), text.size());
+    return found;
+  };
+  return test::Await(contains, patience);
 }
 
 std::string CommandRun::out() const {
@@ -145,6 +152,14 @@ CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::stri
   return {status, run.out(), run.err()};
 }
 
+void TwoAtATime(std::size_t count, const std::function<void(std::size_t)>& act) {
+  const auto every_second = [&](std::size_t i) {
+    for (; i < count; i += 2) act(i);
+  };
+  const auto others = std::async(std::launch::async, every_second, 1);
+  every_second(0);
+}
+
 std::map<std::string, std::string> OwnDomain() { return {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}}; }
 
 RobotForCommands::RobotForCommands(const std::string& name, const std::string& domain, const std::string& config)
@@ -167,6 +182,7 @@ void RobotForCommands::AwaitAnnounced() const {
     }
     return names;
   };
+  const std::scoped_lock lock(announcing_);
   if (uses(*session_) == announced_) return;
   const std::unique_ptr<Session> observer = MakeSession("observer", domain_, {});
   const Subscription any = observer->FromAnyRaw("observed", Invoke::kSerial, [](const RawMessage&) {});

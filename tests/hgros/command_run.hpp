@@ -4,6 +4,8 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -34,7 +36,7 @@ class CommandRun {
   /// Waits for its end. The exit status, 128 and the signal that ended it, or -1 if it did not end in time.
   int Wait(std::chrono::nanoseconds patience = test::kPatience);
   /// Waits until the output contains `text`.
-  [[nodiscard]] bool Prints(const std::string& text) const;
+  [[nodiscard]] bool Prints(const std::string& text, std::chrono::nanoseconds patience = test::kPatience) const;
   [[nodiscard]] std::string out() const;
   [[nodiscard]] std::string err() const;
 
@@ -72,6 +74,8 @@ auto Writes(const Out& out) {
   return testing::AllOf(Ends(0, ""), testing::Field("out", &CommandEnd::out, out));
 }
 CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
+/// Does that with 0 and so on, below `count`, in this thread and another one: a command waits more than it computes.
+void TwoAtATime(std::size_t count, const std::function<void(std::size_t)>& act);
 /// The command with a --timeout that a busy machine keeps, too: without one, most wait only a second for an answer.
 std::vector<std::string> Patiently(std::vector<std::string> arguments);
 /// A script for /bin/sh, which finds the command in $HGROS.
@@ -97,7 +101,9 @@ class RobotForCommands {
 
  private:
   std::string domain_;
-  mutable std::multiset<std::string> announced_;  // The channels, once for each use, that others could find before.
+  mutable std::mutex announcing_;
+  // The channels, once for each use, that others could find before. Guarded by announcing_.
+  mutable std::multiset<std::string> announced_;
   std::unique_ptr<Session> session_;
 };
 

@@ -252,14 +252,13 @@ TEST(HgrosControl, StopsThroughConnectAloneWithAnAllowedKey) {
 
 TEST_F(HgrosControlProcess, ThatHangsIsWaitedForUntilTheTimeoutAndDoesNotHoldUpOthers) {
   publisher->Signal(SIGSTOP);
-  const CommandEnd channel = RunToEnd({"control", "close", "greetings"}, environment);  // It has announced the channel.
-  EXPECT_EQ(channel.status, 1) << channel.err;
-  EXPECT_THAT(channel.out, AllOf(HasSubstr("publisher:"), HasSubstr("It does not answer: it hangs")));
-  CommandRun stop({"control", "stop", "--session", "publisher", "--timeout", "4"}, environment);
+  CommandRun channel({"control", "close", "greetings"}, environment);  // It has announced the channel.
+  CommandRun stop({"control", "stop", "--session", "publisher", "--timeout", "3"}, environment);
   const CommandEnd in_time =
       RunToEnd({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"}, environment);
   EXPECT_EQ(in_time.status, 3);
-  EXPECT_EQ(stop.Wait(), 3);
+  EXPECT_EQ(channel.Wait(), 1) << channel.err();
+  EXPECT_THAT(channel.out(), AllOf(HasSubstr("publisher:"), HasSubstr("It does not answer: it hangs")));
 
   RobotForCommands robot("talker", domain);
   const auto scan = robot.session().Advertise<Log>("greetings");
@@ -270,6 +269,7 @@ TEST_F(HgrosControlProcess, ThatHangsIsWaitedForUntilTheTimeoutAndDoesNotHoldUpO
   });
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.out, AllOf(HasSubstr("Log lines below the level error"), HasSubstr("It does not answer")));
+  EXPECT_EQ(stop.Wait(), 3);
 
   CommandRun run({"control", "log", "error", "--session", "publisher", "--timeout", "3"}, environment);
   test::Linger(std::chrono::milliseconds(300));

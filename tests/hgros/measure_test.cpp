@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <future>
 #include <memory>
 #include <regex>
 #include <string>
@@ -67,6 +68,10 @@ TEST(HgrosHz, CountsWhatIsPublishedWithoutReceivingIt) {
 
 TEST(HgrosHz, ShowsIntervalsAndAHistogramOfWhatArrives) {
   TickingRobot ticking;
+  auto drawn = std::async(std::launch::async, [&ticking] {
+    return OutputThat(ticking.robot, {"hz", "tick", "--receive", "-n", "1"},
+                      [](const std::string& out) { return out.find('#') != std::string::npos; });
+  });
   const std::vector<std::string> json =
       LinesOf(OutputThat(ticking.robot, {"hz", "tick", "--receive", "--once", "--json"}, [](const std::string& out) {
         return LinesOf(out).size() >= 2 && NumberIn(out, "received") > 10;
@@ -80,27 +85,29 @@ TEST(HgrosHz, ShowsIntervalsAndAHistogramOfWhatArrives) {
     counted += NumberIn(json[i], "count");
   }
   EXPECT_GE(counted, NumberIn(json[0], "received") - 1);
-  const std::string table = OutputThat(ticking.robot, {"hz", "tick", "--receive", "-n", "1"},
-                                       [](const std::string& out) { return out.find('#') != std::string::npos; });
-  EXPECT_THAT(table, HasSubstr("HISTOGRAM"));
+  EXPECT_THAT(drawn.get(), HasSubstr("HISTOGRAM"));
 }
 
 TEST(HgrosHz, EndsOnCtrlCAtItsTimeoutOrWhenNobodyPublishes) {
-  auto ticking = std::make_unique<TickingRobot>();
-  const auto environment = ticking->robot.environment();
+  auto ending = std::make_unique<TickingRobot>();
+  ending->robot.AwaitAnnounced();
+  CommandRun lasting({"hz", "tick", "--timeout", "6"}, ending->robot.environment());
+  ASSERT_TRUE(lasting.Prints("tick "));
+  ending.reset();  // It goes on without the robot.
+  const TickingRobot ticking;
   EXPECT_THAT(RunToEnd({"hz", std::string(3000, 'x')}),
               Ends(1, HasSubstr("it has 3000 bytes, more than 200")));  // No channel can have this name.
-  const CommandEnd end = ticking->robot.Run(Patiently({"hz", "tcik", "--once"}));
+  const CommandEnd end = ticking.robot.Run(Patiently({"hz", "tcik", "--once"}));
   EXPECT_THAT(end, Ends(1, "hgros: Nobody publishes on tcik yet. Did you mean tick?\n"));
   EXPECT_EQ(end.out, "");
-  EXPECT_EQ(ticking->robot.Run({"hz", "tick", "--timeout", "0.2"}).status, 3);
+  EXPECT_EQ(ticking.robot.Run({"hz", "tick", "--timeout", "0.2"}).status, 3);
 
   // One after the other: one that looks at a session while it ends says so.
   const std::regex some("tick [^\n]* Hz +([2-9]|[1-9][0-9]+) ");  // An interval needs two messages.
   for (const bool receives : {false, true}) {
     CommandRun run(
         receives ? std::vector<std::string>{"hz", "tick", "--receive"} : std::vector<std::string>{"hz", "tick"},
-        environment);
+        ticking.robot.environment());
     ASSERT_TRUE(test::Await([&] {
       const std::string out = run.out();
       return receives ? std::regex_search(out, some) : out.find("tick ") != std::string::npos;
@@ -110,9 +117,6 @@ TEST(HgrosHz, EndsOnCtrlCAtItsTimeoutOrWhenNobodyPublishes) {
     EXPECT_EQ(run.err(), "");
     EXPECT_EQ(run.out().find("HISTOGRAM") != std::string::npos, receives);
   }
-  CommandRun lasting({"hz", "tick", "--timeout", "6"}, environment);
-  ASSERT_TRUE(lasting.Prints("tick "));
-  ticking.reset();  // It goes on without the robot.
   EXPECT_EQ(lasting.Wait(), 3);
   EXPECT_EQ(lasting.err(), "");
 }

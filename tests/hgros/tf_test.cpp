@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <functional>
+#include <future>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -62,6 +63,17 @@ TEST_F(HgrosTf, ShowsAndDrawsTheTreeWithRatesAgesAndPublishers) {
   const auto shows_rate = [](const CommandEnd& end) {
     return LinesOf(end.out).size() == 6 && end.out.find(" Hz ") != std::string::npos;
   };
+  const std::string file = folder_ / "frames.svg";
+  std::string svg;
+  auto drawn = std::async(std::launch::async, [&] {
+    return RunUntil({"tf", "svg", "-o", file, "--timeout", "1"}, [&](const CommandEnd& /*end*/) {
+      svg = folder_.Read("frames.svg");
+      return svg.find(">laser<") != std::string::npos;
+    });
+  });
+  auto listed = std::async(std::launch::async, [&] {
+    return RunUntil({"list", "frames", "--json"}, [](const CommandEnd& one) { return LinesOf(one.out).size() == 5; });
+  });
   const CommandEnd end = RunUntil({"tf", "tree"}, shows_rate);
   EXPECT_EQ(end.status, 0) << end.err;
   const std::vector<std::string> lines = LinesOf(end.out);
@@ -70,19 +82,13 @@ TEST_F(HgrosTf, ShowsAndDrawsTheTreeWithRatesAgesAndPublishers) {
   EXPECT_THAT(lines[2], MatchesRegex("  base +moving +[0-9.]+ Hz +[0-9.]+ [mu]?s +robot"));
   EXPECT_THAT(lines[3], MatchesRegex("    laser +static +robot"));
   EXPECT_EQ(lines[4], "world");
-  const std::vector<std::string> json = LinesOf(
-      RunUntil({"list", "frames", "--json"}, [](const CommandEnd& one) { return LinesOf(one.out).size() == 5; }).out);
+  const std::vector<std::string> json = LinesOf(listed.get().out);
   ASSERT_EQ(json.size(), 5U);
   EXPECT_EQ(json[2],
             R"({"frame":"laser","parent":"base","kind":"static","rate_hz":null,"age_ns":null,"publisher":"robot"})");
 
-  const std::string file = folder_ / "frames.svg";
-  std::string svg;
-  const CommandEnd drawn = RunUntil({"tf", "svg", "-o", file, "--timeout", "1"}, [&](const CommandEnd& /*end*/) {
-    svg = folder_.Read("frames.svg");
-    return svg.find(">laser<") != std::string::npos;
-  });
-  EXPECT_EQ(drawn.status, 0) << drawn.err;
+  const CommandEnd drawing = drawn.get();
+  EXPECT_EQ(drawing.status, 0) << drawing.err;
   EXPECT_THAT(svg, testing::StartsWith("<svg "));
 
   const auto clock = SimulatedClock::Paused(Time{5'000'000'000});  // Ages are time of the clock that a robot publishes.
@@ -97,6 +103,17 @@ TEST_F(HgrosTf, ShowsAndDrawsTheTreeWithRatesAgesAndPublishers) {
 }
 
 TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
+  const auto fails = [this](const std::vector<std::string>& words, const std::string& why) {
+    return std::async(std::launch::async, [=, this] {
+      const CommandEnd one =
+          RunUntil(words, [&](const CommandEnd& all) { return all.err.find(why) != std::string::npos; });
+      EXPECT_EQ(one.status, 1);
+      return one.err;
+    });
+  };
+  const auto old = fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, "which is too old");
+  const auto apart = fails({"tf", "echo", "map", "dock"}, "No edges lead from \"dock\" to \"map\"");
+  auto misspelled = fails({"tf", "echo", "map", "lasr"}, "the nearest name is");
   const CommandEnd end = Run(Patiently({"tf", "echo", "map", "laser", "--once"}));
   EXPECT_EQ(end.status, 0) << end.err;
   const std::vector<std::string> lines = LinesOf(end.out);
@@ -114,17 +131,8 @@ TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
   const CommandEnd now = Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "40"});
   EXPECT_EQ(now.status, 0) << now.err;
   EXPECT_THAT(now.out, HasSubstr("yaw: 90.00"));
-  const auto fails = [this](const std::vector<std::string>& words, const std::string& why) {
-    const CommandEnd one =
-        RunUntil(words, [&](const CommandEnd& all) { return all.err.find(why) != std::string::npos; });
-    EXPECT_EQ(one.status, 1);
-    return one.err;
-  };
-  (void)fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, "which is too old");
   EXPECT_EQ(Run({"tf", "echo", "map", "base", "--at", "noon"}).status, 2);
-  EXPECT_EQ(fails({"tf", "echo", "map", "lasr"}, "the nearest name is"),
-            "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
-  (void)fails({"tf", "echo", "map", "dock"}, "No edges lead from \"dock\" to \"map\"");
+  EXPECT_EQ(misspelled.get(), "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
 
   for (const char* command : {"tf tree", "tf echo"}) {
     for (std::vector<std::string> example : ExamplesOf(command)) {
