@@ -233,13 +233,17 @@ TEST(HgrosRobots, AReaderThatDoesNotReadHoldsUpNobody) {
 }
 
 TEST(HgrosRobots, AProgramThatPrintsWithoutEndHoldsUpNobodyButAFollowerSaysWhatIsMissing) {
-  const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again]}}\n");
+  const DetachedRobot robot("components: {a: {type: relay/Does}}\nprograms: {p: {command: [yes, again and again" +
+                            std::string(1000, '.') + "]}}\n");
   CommandRun follows({"logs", "-f", "p"}, robot.environment());
   ASSERT_TRUE(follows.Prints("again and again"));
-  follows.Signal(SIGSTOP);
-  test::Linger(std::chrono::seconds(1));  // `yes` prints far more in this time than waits for the command.
-  follows.Signal(SIGCONT);
-  EXPECT_TRUE(follows.Prints(" lines were left out here, because nobody read the output."));
+  // Until `yes` has printed far more than waits for the command.
+  EXPECT_TRUE(test::Await([&, time = std::chrono::milliseconds(50)]() mutable {
+    follows.Signal(SIGSTOP);
+    test::Linger(time *= 2);
+    follows.Signal(SIGCONT);
+    return follows.Prints(" lines were left out here, because nobody read the output.", time);
+  }));
   follows.Signal(SIGINT);
   EXPECT_EQ(follows.Wait(), 128 + SIGINT) << follows.err();
   EXPECT_THAT(robot.Ask({"logs", "p"}).out, HasSubstr("and again"));

@@ -16,6 +16,7 @@
 #include "support/await.hpp"
 #include "support/cable.hpp"
 #include "support/path.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -56,7 +57,7 @@ TEST(HgrosRun, OnlyYamlDiffersBetweenOneProcessAndThreeThatRunUntilAllHaveFinish
   };
   EXPECT_EQ(run(RobotFolder(kThree), "main", "main"), "");
   const RobotFolder three(std::string(kThree) + "processes: {a: {components: [numbers]}, b: {components: [one]}}\n");
-  for (int round = 0; round < 5; ++round) (void)run(three, "a", "b");
+  for (int round = 0; round < test::Rounds(1, 5); ++round) (void)run(three, "a", "b");
 }
 
 TEST(HgrosRun, CutsLinesOfTheLogThatAreVeryLongAndEndsInOrderIfASignalComesTwice) {
