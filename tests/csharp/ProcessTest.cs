@@ -67,12 +67,12 @@ public static class ProcessTest {
             callbacks.PublishWait(new DynamicMessage(Log), Patience);
           }
         };
-        send(20000);
+        send(10000);
         long before = Resident();
-        send(100000);
+        send(50000);
         long grown = Resident() - before;
-        True(grown < 20 << 20, "100000 messages leave less than 20 MB, not " + grown);
-        Until("all callbacks run", () => heard == 120000);
+        True(grown < 10 << 20, "100000 messages leave less than 10 MB, not " + grown);
+        Until("all callbacks run", () => heard == 60000);
       }
       Equal(0UL, Message.Leases);
     }

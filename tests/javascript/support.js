@@ -11,7 +11,10 @@ const PATIENCE = 45000;
 const patient = { timeout: PATIENCE };
 
 let tests = 0;
-beforeEach(() => { process.env.HGROS_DOMAIN = `js-${process.pid}-${++tests}`; });
+beforeEach((t) => {
+  process.env.HGROS_DOMAIN = `js-${process.pid}-${++tests}`;
+  console.error(t.name);  // If it ends the process.
+});
 
 /** A session that is closed after the test. */
 function open(t, options, yaml) {

@@ -19,8 +19,8 @@ function MemoryStaysBoundedOverManyMessages(): void
     $bytes = str_repeat('x', 1000);
     $residentKb = static fn (): int => (int) preg_replace('/.*VmRSS:\s*(\d+).*/s', '$1',
         file_get_contents('/proc/self/status'));
-    for ($i = 0; $i < 110_000; ++$i) {
-        if ($i === 10_000) {
+    for ($i = 0; $i < 55_000; ++$i) {
+        if ($i === 5_000) {
             [$php, $resident] = [memory_get_usage(), $residentKb()];
         }
         $publisher->publish($bytes);
@@ -31,6 +31,6 @@ function MemoryStaysBoundedOverManyMessages(): void
         }
     }
     expectEqual(0, Message::leases());
-    expect(memory_get_usage() - $php < 100_000, memory_get_usage() - $php);
-    expect($residentKb() - $resident < 8192, $residentKb() - $resident);
+    expect(memory_get_usage() - $php < 50_000, memory_get_usage() - $php);
+    expect($residentKb() - $resident < 4096, $residentKb() - $resident);
 }
