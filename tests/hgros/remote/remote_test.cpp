@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <deque>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -288,7 +289,7 @@ TEST_F(HgrosRemote, AMapperThatMovesBetweenHostsDrawsTheSameMap) {
                                     "writer.params.out=" + folder.path("out").string()};
   };
   std::vector<std::string> words = robot.Arguments(settings(robot));
-  words.insert(words.end(), {"--set", "source.params.rate=5"});
+  words.insert(words.end(), {"--set", "source.params.rate=2"});
   const auto run = host_.OnDesk(robot, words);
   ASSERT_TRUE(test::Await([&] {
     const auto ps = host_.OnDesk(robot, {"ps"});
@@ -439,40 +440,51 @@ TEST_F(HgrosRemote, SaysWhichLibraryDiffers) {
 }
 
 TEST_F(HgrosRemote, SaysWhyItCannotConnect) {
-  const auto says = [&](const std::string& hosts, const auto& matcher) {
-    const RobotFolder robot("hosts: {" + hosts + "}\n" + kDoes);
-    const auto run = host_.Run(robot);
-    EXPECT_EQ(run->Wait(), 1);
-    EXPECT_THAT(run->out(), matcher) << run->err();
-    EXPECT_THAT(run->err(), HasSubstr("The robot cannot start without \"p\"."));
+  struct Case {
+    std::string hosts;
+    testing::Matcher<std::string> says;
+  };
+  const auto expect = [&](const std::vector<Case>& cases) {
+    std::deque<RobotFolder> robots;
+    std::vector<std::unique_ptr<CommandRun>> runs;
+    for (const Case& one : cases) {
+      runs.push_back(host_.Run(robots.emplace_back("hosts: {" + one.hosts + "}\n" + kDoes)));
+    }
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      EXPECT_EQ(runs[i]->Wait(), 1);
+      EXPECT_THAT(runs[i]->out(), cases[i].says) << runs[i]->err();
+      EXPECT_THAT(runs[i]->err(), HasSubstr("The robot cannot start without \"p\"."));
+    }
     EXPECT_TRUE(test::Await([&] { return ProcessesOn(host_.cable.left).empty(); })) << host_.Left();
   };
-  says("base: {address: 10.198.0.2, hgros: /nowhere/hgros}",
-       AllOf(HasSubstr("/nowhere/hgros"), HasSubstr("The host \"base\" has no command `/nowhere/hgros`. Install hgros "
-                                                    "there, or name the command: `hosts: {base: {hgros: PATH}}`.")));
-  says("base: {address: 10.198.0.2, hgros: echo Welcome to this robot; hgros}",
-       HasSubstr("What has come from the host \"base\" is not from hgros."));
-  says(
-      "base: {address: 10.198.0.2, hgros: \"printf '\\\\007\\\\0\\\\0\\\\0\\\\012\\\\0050.0.9'; cat > /dev/null; :\"}",
-      HasSubstr("The host \"base\" has hgros 0.0.9, and this is " HGROS_VERSION ". Install the same version on both."));
-  says("base: {address: 10.198.0.2, hgros: \"false\"}", HasSubstr("`false` on the host \"base\" does not answer"));
-  says("base: {address: 10.198.0.1, ssh: nobody@10.198.0.2}",
-       AllOf(HasSubstr("Permission denied"), HasSubstr("`ssh nobody@10.198.0.2 hgros --version`")));
+  expect(
+      {{"base: {address: 10.198.0.2, hgros: /nowhere/hgros}",
+        AllOf(HasSubstr("/nowhere/hgros"), HasSubstr("The host \"base\" has no command `/nowhere/hgros`. Install hgros "
+                                                     "there, or name the command: `hosts: {base: {hgros: PATH}}`."))},
+       {"base: {address: 10.198.0.2, hgros: echo Welcome to this robot; hgros}",
+        HasSubstr("What has come from the host \"base\" is not from hgros.")},
+       {"base: {address: 10.198.0.2, hgros: \"printf '\\\\007\\\\0\\\\0\\\\0\\\\012\\\\0050.0.9'; cat > /dev/null; "
+        ":\"}",
+        HasSubstr("The host \"base\" has hgros 0.0.9, and this is " HGROS_VERSION
+                  ". Install the same version on both.")},
+       {"base: {address: 10.198.0.2, hgros: \"false\"}", HasSubstr("`false` on the host \"base\" does not answer")},
+       {"base: {address: 10.198.0.1, ssh: nobody@10.198.0.2}",
+        AllOf(HasSubstr("Permission denied"), HasSubstr("`ssh nobody@10.198.0.2 hgros --version`"))}});
   host_.Trust("user_key.pub");
-  says("base: {address: 10.198.0.2}", HasSubstr("Host key verification failed."));
+  expect({{"base: {address: 10.198.0.2}", HasSubstr("Host key verification failed.")}});
   ASSERT_TRUE(host_.cable.Set("down"));
-  says("base: {address: 10.198.0.2}", AllOf(HasSubstr("ssh: connect to host 10.198.0.2 port 22: "),
-                                            HasSubstr("ssh cannot connect to the host \"base\"")));
+  expect({{"base: {address: 10.198.0.2}", AllOf(HasSubstr("ssh: connect to host 10.198.0.2 port 22: "),
+                                                HasSubstr("ssh cannot connect to the host \"base\""))}});
   ASSERT_TRUE(host_.cable.Set("up"));
   host_.StopSshd();
-  says("base: {address: 10.198.0.2}",
-       AllOf(HasSubstr("Connection refused"),
-             HasSubstr("ssh cannot connect to the host \"base\"; its own words are above. This must work without a "
-                       "question: `ssh 10.198.0.2 hgros --version`.")));
+  expect({{"base: {address: 10.198.0.2}",
+           AllOf(HasSubstr("Connection refused"),
+                 HasSubstr("ssh cannot connect to the host \"base\"; its own words are above. This must work without a "
+                           "question: `ssh 10.198.0.2 hgros --version`."))}});
   std::filesystem::remove(host_.folder / "bin/ssh");
   host_.path = (host_.folder / "bin").string();
-  says("base: {address: 10.198.0.2}",
-       HasSubstr("ssh cannot be run: No such file or directory. Install the package openssh-client."));
+  expect({{"base: {address: 10.198.0.2}",
+           HasSubstr("ssh cannot be run: No such file or directory. Install the package openssh-client.")}});
 }
 
 }  // namespace

@@ -4,14 +4,13 @@
 #include <sys/types.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "hgros/command_run.hpp"
@@ -26,11 +25,12 @@ namespace hgros::cli {
 /// The processes of a network namespace.
 inline std::vector<pid_t> ProcessesOn(const std::string& space) {
   std::vector<pid_t> processes;
-  FILE* pipe = popen(("ip netns pids " + space).c_str(), "re");
-  std::array<char, 32> line{};
-  while (pipe != nullptr && fgets(line.data(), line.size(), pipe) != nullptr)
-    processes.push_back(std::stoi(line.data()));
-  if (pipe != nullptr) pclose(pipe);
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::error_code gone;
+    if (std::filesystem::equivalent("/run/netns/" + space, entry.path() / "ns/net", gone)) {
+      processes.push_back(std::stoi(entry.path().filename()));
+    }
+  }
   return processes;
 }
 
@@ -76,8 +76,10 @@ class SshHost {
     std::filesystem::copy(folder / "user_key.pub", folder / "authorized_keys");
     Trust("host_key.pub");
     const std::string place = folder.path();
-    folder.Write("ssh_config", "IdentityFile " + place + "/user_key\nIdentitiesOnly yes\nStrictHostKeyChecking yes\n" +
-                                   "GlobalKnownHostsFile none\nUserKnownHostsFile " + place + "/known_hosts\n");
+    folder.Write("ssh_config",
+                 "IdentityFile " + place +
+                     "/user_key\nIdentitiesOnly yes\nStrictHostKeyChecking yes\nKexAlgorithms curve25519-sha256\n" +
+                     "GlobalKnownHostsFile none\nUserKnownHostsFile " + place + "/known_hosts\n");
     std::filesystem::create_directory(folder / "bin");
     folder.Write("bin/ssh", "#!/bin/sh\nexec /usr/bin/ssh -F " + place + "/ssh_config \"$@\"\n");
     std::filesystem::permissions(folder / "bin/ssh", std::filesystem::perms::owner_all);
