@@ -11,6 +11,7 @@
 
 #include "hgros/command_run.hpp"
 #include "hgros/launch/robot_folder.hpp"
+#include "support/at_once.hpp"
 #include "support/await.hpp"
 
 namespace hgros::cli {
@@ -116,50 +117,6 @@ TEST(HgrosCheckpoint, LargeStatesCostNoLinesOfTheLog) {
   EXPECT_THAT(robot.out(), Not(HasSubstr("lines of the log were lost")));
 }
 
-TEST(HgrosCheckpoint, AComponentThatCannotBeConstructedAgainEndsNoOther) {
-  RunningRobot robot(
-      "components:\n"
-      "  bad: {type: relay/Does, deadline: 100ms, params: {what: throw at restart}}\n"
-      "  other: {type: relay/Does}\n"
-      "processes: {p: {components: [bad, other]}}\n");
-  ASSERT_TRUE(robot.Prints("other  I run."));
-  (void)robot.Ask({"restart", "bad"});
-  ASSERT_TRUE(robot.Prints("It has failed"));
-  test::Linger(std::chrono::milliseconds(1500));  // Meanwhile the process looks for callbacks that hang, each second.
-  EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("other[^\n]*running"));
-}
-
-TEST(HgrosCheckpoint, ARestartOfOneComponentEndsWhenTheNextInstanceRuns) {
-  RunningRobot robot("components: {bad: {type: relay/Does, params: {what: throw late}}, other: {type: relay/Does}}\n");
-  ASSERT_TRUE(robot.Prints("I wait."));
-  EXPECT_EQ(robot.Ask({"restart", "bad"}).status, 0) << "Meanwhile a callback of the last one throws.";
-  EXPECT_EQ(Times(robot.out(), "bad    I run."), 2U) << robot.out();
-}
-
-TEST(HgrosCheckpoint, ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAgain) {
-  RunningRobot robot(
-      "components: {a: {type: relay/Does, params: {what: finish once}}, other: {type: relay/Does}}\n"
-      "processes: {p: {components: [a]}}\n");
-  ASSERT_TRUE(robot.Prints("It has finished: enough"));
-  const CommandEnd end = robot.Ask({"restart", "a"});  // Its process still ends, for a second.
-  EXPECT_EQ(end.status, 0) << end.err << robot.out();
-  EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("a +relay/Does[^\n]*running"));
-  EXPECT_THAT(robot.out(), Not(HasSubstr("has failed")));
-}
-
-TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsAtItsEndLosesNoState) {
-  RunningRobot robot(
-      "components: {other: {type: relay/Does}, counter: {type: relay/Counter, params: {hangs_at_end: true}}}\n"
-      "processes: {p: {components: [other, counter]}}\n");
-  ASSERT_TRUE(robot.Prints("other    I run."));
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
-  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
-  EXPECT_TRUE(robot.Prints("other    I end."));
-  EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
-  EXPECT_TRUE(robot.Prints("begins at 1."));
-}
-
 TEST(HgrosCheckpoint, ComponentsOfAProcessAreConstructedAgainAtOnce) {
   RunningRobot robot(
       "components: {a: {type: relay/Counter}, b: {type: relay/Counter}, c: {type: relay/Does}}\n"
@@ -188,24 +145,6 @@ TEST(HgrosCheckpoint, AFailureIsForgottenAtARestart) {
   ASSERT_TRUE(robot.Prints("It has finished: enough"));
   EXPECT_TRUE(test::Await([&] { return robot.Ask({"ps"}).out.find("finished") != std::string::npos; }));
   EXPECT_THAT(robot.Ask({"ps"}).out, Not(HasSubstr("failed")));
-}
-
-TEST(HgrosCheckpoint, ARestartOfAComponentThatHangsStartsItsProcessAgain) {
-  RunningRobot robot(
-      "components: {counter: {type: relay/Counter, checkpoint: 20ms}, other: {type: relay/Does}}\n"
-      "processes: {p: {components: [counter]}}\n");
-  ASSERT_TRUE(robot.Prints("other    I run."));
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
-  ASSERT_TRUE(HasCheckpoint(robot, 1));
-  Say(robot, "hang");
-  ASSERT_TRUE(robot.Prints("There is no new checkpoint: ")) << "It hangs.";
-  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
-  EXPECT_TRUE(robot.Prints("It ends first, so the messages that wait for it are lost."));
-  EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
-  EXPECT_TRUE(robot.Prints("begins at 1."));
-  Say(robot, "two");
-  EXPECT_TRUE(robot.Prints("counts 2."));
 }
 
 // Also without checkpoints.
@@ -279,7 +218,87 @@ TEST(HgrosCheckpoint, AComponentThatIsLateIsConstructedAgainAlone) {
   EXPECT_THAT(robot.out(), Not(HasSubstr("I end.")));
 }
 
-TEST(HgrosCheckpoint, TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAgain) {
+void AComponentThatCannotBeConstructedAgainEndsNoOther() {
+  RunningRobot robot(
+      "components:\n"
+      "  bad: {type: relay/Does, deadline: 100ms, params: {what: throw at restart}}\n"
+      "  other: {type: relay/Does}\n"
+      "processes: {p: {components: [bad, other]}}\n");
+  ASSERT_TRUE(robot.Prints("other  I run."));
+  (void)robot.Ask({"restart", "bad"});
+  ASSERT_TRUE(robot.Prints("It has failed"));
+  test::Linger(std::chrono::milliseconds(1500));  // Meanwhile the process looks for callbacks that hang, each second.
+  EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("other[^\n]*running"));
+}
+
+void ARestartOfOneComponentEndsWhenTheNextInstanceRuns() {
+  RunningRobot robot("components: {bad: {type: relay/Does, params: {what: throw late}}, other: {type: relay/Does}}\n");
+  ASSERT_TRUE(robot.Prints("I wait."));
+  EXPECT_EQ(robot.Ask({"restart", "bad"}).status, 0) << "Meanwhile a callback of the last one throws.";
+  EXPECT_EQ(Times(robot.out(), "bad    I run."), 2U) << robot.out();
+}
+
+void ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAgain() {
+  RunningRobot robot(
+      "components: {a: {type: relay/Does, params: {what: finish once}}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [a]}}\n");
+  ASSERT_TRUE(robot.Prints("It has finished: enough"));
+  const CommandEnd end = robot.Ask({"restart", "a"});  // Its process still ends, for a second.
+  EXPECT_EQ(end.status, 0) << end.err << robot.out();
+  EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("a +relay/Does[^\n]*running"));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("has failed")));
+}
+
+void AComponentThatFailsIsConstructedAgainUntilItIsTooOften() {
+  const RobotFolder folder(
+      "components: {a: {type: relay/Does, params: {what: fail}, restart: on-failure, essential: true}, b: {type: "
+      "relay/Does}}\n");
+  const CommandEnd end = folder.Run();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("It is constructed again, because it has failed: the laser is broken"),
+                             HasSubstr("It has failed: the laser is broken")));
+  EXPECT_THAT(end.err, HasSubstr("\"a\" is essential"));
+  EXPECT_EQ(Times(end.out, "It is constructed again"), 5U);
+}
+
+TEST(HgrosCheckpoint, ComponentsFailAndAreConstructedAgain) {
+  test::AtOnce({AComponentThatCannotBeConstructedAgainEndsNoOther, ARestartOfOneComponentEndsWhenTheNextInstanceRuns,
+                ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAgain,
+                AComponentThatFailsIsConstructedAgainUntilItIsTooOften});
+}
+
+void ARestartOfAComponentThatHangsAtItsEndLosesNoState() {
+  RunningRobot robot(
+      "components: {other: {type: relay/Does}, counter: {type: relay/Counter, params: {hangs_at_end: true}}}\n"
+      "processes: {p: {components: [other, counter]}}\n");
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  Say(robot, "one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("other    I end."));
+  EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+}
+
+void ARestartOfAComponentThatHangsStartsItsProcessAgain() {
+  RunningRobot robot(
+      "components: {counter: {type: relay/Counter, checkpoint: 20ms}, other: {type: relay/Does}}\n"
+      "processes: {p: {components: [counter]}}\n");
+  ASSERT_TRUE(robot.Prints("other    I run."));
+  Say(robot, "one");
+  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_TRUE(HasCheckpoint(robot, 1));
+  Say(robot, "hang");
+  ASSERT_TRUE(robot.Prints("There is no new checkpoint: ")) << "It hangs.";
+  EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
+  EXPECT_TRUE(robot.Prints("It ends first, so the messages that wait for it are lost."));
+  EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
+  EXPECT_TRUE(robot.Prints("begins at 1."));
+  Say(robot, "two");
+  EXPECT_TRUE(robot.Prints("counts 2."));
+}
+
+void TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAgain() {
   RunningRobot robot(
       "components:\n  counter: {type: relay/Counter, checkpoint: 20ms, deadline: 200ms, restart: on-deadline}\n"
       "  other: {type: relay/Does}\n");
@@ -297,16 +316,9 @@ TEST(HgrosCheckpoint, TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAga
   EXPECT_TRUE(robot.Prints("counts 2."));
 }
 
-TEST(HgrosCheckpoint, AComponentThatFailsIsConstructedAgainUntilItIsTooOften) {
-  const RobotFolder folder(
-      "components: {a: {type: relay/Does, params: {what: fail}, restart: on-failure, essential: true}, b: {type: "
-      "relay/Does}}\n");
-  const CommandEnd end = folder.Run();
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.out, AllOf(HasSubstr("It is constructed again, because it has failed: the laser is broken"),
-                             HasSubstr("It has failed: the laser is broken")));
-  EXPECT_THAT(end.err, HasSubstr("\"a\" is essential"));
-  EXPECT_EQ(Times(end.out, "It is constructed again"), 5U);
+TEST(HgrosCheckpoint, WhatHangsIsKilledAndGoesOn) {
+  test::AtOnce({ARestartOfAComponentThatHangsAtItsEndLosesNoState, ARestartOfAComponentThatHangsStartsItsProcessAgain,
+                TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAgain});
 }
 
 }  // namespace
