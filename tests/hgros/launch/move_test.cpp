@@ -110,7 +110,8 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
   ASSERT_TRUE(robot.Begins()) << robot.out();
   const pid_t process = robot.PidOf("a");
   int before = robot.Count();
-  for (int times = 0; times < 8; ++times) {  // One right after the other, and while many messages come.
+  const int restarts = test::Rounds(4, 8);
+  for (int times = 0; times < restarts; ++times) {  // One right after the other, and while many messages come.
     const CommandEnd end = robot.Ask({"restart", "passing"});
     EXPECT_EQ(end.status, 0) << end.err << robot.out();
     EXPECT_EQ(end.out + end.err, "");
@@ -120,7 +121,7 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
   }
   EXPECT_EQ(robot.PidOf("a"), process);
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
-  for (const std::string to : {"b", "c", "b"}) {  // A restart waits for the end of the move.
+  for (const std::string to : {"b", "c"}) {  // A restart waits for the end of the move.
     EXPECT_EQ(robot.Move(to).status, 0) << robot.out();
     const CommandEnd restart = robot.Ask({"restart", "passing"});
     EXPECT_EQ(restart.status, 0) << restart.err;
@@ -129,8 +130,8 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
   EXPECT_TRUE(robot.Flows());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
   EXPECT_TRUE(robot.HasCountedAll());
-  for (const std::string to : {"a", "c", "ends", "b", "a", "a", "c"}) {
-    const CommandEnd end = test::Await([&] { return robot.Places().size() == 1; }) ? robot.Move(to) : CommandEnd{};
+  for (const std::string to : {"a", "ends", "b", "a", "a"}) {
+    const CommandEnd end = robot.Move(to);
     if (end.status != 0 && end.err.find("at this moment") != std::string::npos) continue;
     EXPECT_EQ(end.status, 0) << end.err << robot.out();
     EXPECT_EQ(end.out + end.err, "");
