@@ -8,7 +8,7 @@ import signal
 import subprocess
 import tempfile
 
-from support import DEADLINE_S, RobotTest, main, wait_until
+from support import DEADLINE_S, RobotTest, main, rounds, wait_until
 
 import hgros
 from foxglove.KeyValuePair_pb2 import KeyValuePair
@@ -198,7 +198,7 @@ class Vague:
 """
 
 
-class Components(RobotTest):
+class ComponentTest(RobotTest):
     def setUp(self):
         super().setUp()
         self.folder = pathlib.Path(self.opened.enter_context(tempfile.TemporaryDirectory()))
@@ -237,6 +237,8 @@ class Components(RobotTest):
         """All numbers up to this one were added, each once."""
         self.assertEqual(int(message.value), int(message.key) * (int(message.key) + 1) // 2)
 
+
+class Components(ComponentTest):
     def test_what_a_class_uses_is_known_before_it_runs(self):
         shown = self.hgros("components", "parts:Sum", "parts:Numbers", "parts:Caller", "--json")
         self.assertEqual(shown.returncode, 0, shown.stderr)
@@ -297,6 +299,31 @@ class Components(RobotTest):
                     self.assertIn(f"-m venv --system-site-packages {environment}, or start the robot without VIRTUAL_ENV.",
                                   shown.stderr)
 
+    def test_ctrl_c_ends_a_callback_that_never_returns(self):
+        robot = self.robot("components:\n  busy: {type: parts:Busy}\n  numbers: {type: parts:Numbers}\n")
+        wait_until(lambda: "busy" in self.log(), "the callback")
+        robot.send_signal(signal.SIGINT)
+        robot.wait(DEADLINE_S)
+
+    def test_finish_and_fail_end_the_robot(self):
+        for how, code in (("finish", 0), ("fail", 1)):
+            with self.subTest(how):
+                robot = self.robot(f"components: {{ends: {{type: 'parts:Ends', params: {{how: {how}}}}}}}\n")
+                self.assertEqual(robot.wait(DEADLINE_S), code, self.log())
+                self.assertIn(f"It ends by {how}.", self.log())
+
+    def test_component_of_the_page_works_as_typed(self):
+        blocks = re.findall(r"```(python|yaml)\n(.*?)```", PAGE.read_text(), re.S)
+        code = next(text for kind, text in blocks if kind == "python" and "class Tracker" in text)
+        robot_file = next(text for kind, text in blocks if kind == "yaml" and "tracker:Tracker" in text)
+        (self.folder / "tracker.py").write_text(code)
+        nearest = self.session().messages("nearest", Vector2, timeout=DEADLINE_S)
+        robot = self.robot(robot_file)
+        self.assertEqual(next(nearest).x, 0.75)
+        self.interrupt(robot)
+
+
+class ComponentRobots(ComponentTest):
     def test_moves_lose_no_message_and_keep_only_the_newest_for_one_that_is_slower_than_its_publisher(self):
         sums, slow = self.sums(), self.sums("slow")
         robot = self.robot("components:\n"
@@ -309,11 +336,11 @@ class Components(RobotTest):
         self.check_sum(next(sums))
         next(slow)
         wait_until(lambda: "starting" not in self.hgros("ps").stdout, "the start of both processes")
-        for place in ("two", "one", "two"):
+        for place in ("two", "one", "two")[:rounds(2, 3)]:
             self.move("total", place, sums)
             for _ in range(50):
                 self.check_sum(next(sums))
-        for place in ("two", "one", "two"):
+        for place in ("two", "one", "two")[:rounds(2, 3)]:
             self.move("slow", place, slow)
             values = []
             wait_until(lambda: values.append(next(slow)) or int(values[-1].key) < 1000, "a message of this moment")
@@ -386,29 +413,6 @@ class Components(RobotTest):
                    "  counter: {type: words/Counter, nodes: {word: {executor: inline}}}\n")
         self.assertEqual({"again", "a count"},
                          {"a count" if one.value.isdigit() else one.value for one in (next(sums) for _ in range(20))})
-
-    def test_ctrl_c_ends_a_callback_that_never_returns(self):
-        robot = self.robot("components:\n  busy: {type: parts:Busy}\n  numbers: {type: parts:Numbers}\n")
-        wait_until(lambda: "busy" in self.log(), "the callback")
-        robot.send_signal(signal.SIGINT)
-        robot.wait(DEADLINE_S)
-
-    def test_finish_and_fail_end_the_robot(self):
-        for how, code in (("finish", 0), ("fail", 1)):
-            with self.subTest(how):
-                robot = self.robot(f"components: {{ends: {{type: 'parts:Ends', params: {{how: {how}}}}}}}\n")
-                self.assertEqual(robot.wait(DEADLINE_S), code, self.log())
-                self.assertIn(f"It ends by {how}.", self.log())
-
-    def test_component_of_the_page_works_as_typed(self):
-        blocks = re.findall(r"```(python|yaml)\n(.*?)```", PAGE.read_text(), re.S)
-        code = next(text for kind, text in blocks if kind == "python" and "class Tracker" in text)
-        robot_file = next(text for kind, text in blocks if kind == "yaml" and "tracker:Tracker" in text)
-        (self.folder / "tracker.py").write_text(code)
-        nearest = self.session().messages("nearest", Vector2, timeout=DEADLINE_S)
-        robot = self.robot(robot_file)
-        self.assertEqual(next(nearest).x, 0.75)
-        self.interrupt(robot)
 
 
 if __name__ == "__main__":

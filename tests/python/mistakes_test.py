@@ -127,7 +127,7 @@ class Mistakes(RobotTest):
     def test_a_python_that_cannot_use_the_package_says_so(self):
         package = os.path.dirname(hgros.__file__)
         with tempfile.TemporaryDirectory() as folder:
-            shutil.copytree(package, folder + "/hgros", ignore=shutil.ignore_patterns("*.so", "*_pb2.py*"))
+            shutil.copytree(package, folder + "/hgros", ignore=shutil.ignore_patterns("*.so", "*_pb2.py*", "__pycache__"))
             open(folder + "/hgros/_hgros.cpython-27-other.so", "w").close()
             for options, expected in ((["-S"], "needs google.protobuf, which"), ([], "was built for Python 2.7, and this is")):
                 if options:

@@ -288,7 +288,7 @@ class Processes(RobotTest):
 
     def test_session_of_a_child_of_multiprocessing(self):
         folder = os.path.join(os.path.dirname(os.path.abspath(__file__)))
-        process = self.python(f"import sys; sys.path.insert(0, {folder!r})\n"
+        process = self.program("-Bc", f"import sys; sys.path.insert(0, {folder!r})\n"
                               "import multiprocessing, hgros, support\n"
                               "if __name__ == '__main__':\n"
                               "    robot = hgros.Session()\n"
