@@ -25,9 +25,9 @@ import tempfile
 import threading
 import time
 
-COUNT = 1000
+COUNT = 500
 ENDLESS = 1_000_000_000
-CLOUD_BYTES = 4_000_000
+CLOUD_BYTES = 1_000_000
 PATIENCE_S = 40  # Most roles wait 30 s, and then say what did not come.
 
 
