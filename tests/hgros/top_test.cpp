@@ -140,26 +140,21 @@ TEST(HgrosTop, SaysWhyThereIsNoFullScreen) {
 
 TEST(HgrosTop, WritesTablesAndJsonForProgramsAndItsExamplesWork) {
   const BusyRobot busy;
-  const CommandEnd json = busy.robot.Run(Patiently({"top", "--json", "-n", "1"}));
-  EXPECT_EQ(LinesOf(json.out).size(), 1U);
-  EXPECT_THAT(json.out, AllOf(testing::StartsWith("{\"process\":\"patrol\",\"pid\":"), HasSubstr("\"cpu_percent\":")));
-  std::vector<std::unique_ptr<TerminalRun>> examples;
-  for (const std::vector<std::string>& words : ExamplesOf("top")) {
-    examples.push_back(std::make_unique<TerminalRun>(Patiently(words), busy.environment));
-  }
-  CommandRun once(Patiently({"top", "-n", "1"}), busy.environment);
-  CommandRun batch({"top", "--batch", "--timeout", "0.5"}, busy.environment);
   const CommandEnd table = busy.robot.Run(Patiently({"top", "nodes", "--once"}));
   EXPECT_EQ(table.status, 0) << table.err;
   EXPECT_THAT(table.out, AllOf(HasSubstr("NODE     CHANNEL     SESSION"), HasSubstr("hearing  status      patrol:"),
                                Not(HasSubstr("\x1b"))));
-  EXPECT_EQ(once.Wait(), 0);
+  const CommandEnd json = busy.robot.Run(Patiently({"top", "--json", "-n", "1"}));
+  EXPECT_EQ(LinesOf(json.out).size(), 1U);
+  EXPECT_THAT(json.out, AllOf(testing::StartsWith("{\"process\":\"patrol\",\"pid\":"), HasSubstr("\"cpu_percent\":")));
+  EXPECT_EQ(busy.robot.Run(Patiently({"top", "-n", "1"})).status, 0);
   EXPECT_THAT(busy.robot.Run({"top", "--once", "-n", "2"}).err, HasSubstr("It contradicts --once."));
-  EXPECT_EQ(batch.Wait(), 3);
-  for (std::size_t i = 0; i < examples.size(); ++i) {
-    EXPECT_TRUE(examples[i]->Shows(i == 2 ? "status" : "patrol")) << i;
-    if (i == 0) examples[i]->Type("q");
-    EXPECT_EQ(examples[i]->Wait(), 0) << i;
+  EXPECT_EQ(busy.robot.Run({"top", "--batch", "--timeout", "0.5"}).status, 3);
+  for (const std::vector<std::string>& words : ExamplesOf("top")) {
+    const TerminalRun top(Patiently(words), busy.environment);
+    EXPECT_TRUE(top.Shows(words.back() == "2" ? "status" : "patrol")) << testing::PrintToString(words);
+    if (words.size() == 1) top.Type("q");
+    EXPECT_EQ(top.Wait(), 0) << testing::PrintToString(words);
   }
 }
 
