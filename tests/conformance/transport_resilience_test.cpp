@@ -3,6 +3,7 @@
 
 #include "conformance/transport_conformance.hpp"
 #include "support/await.hpp"
+#include "support/seed.hpp"
 
 namespace hgros::conformance::transport_resilience_test {
 namespace {
@@ -10,7 +11,8 @@ namespace {
 TEST_P(TransportConformance, APublisherMayRestartAgainAndAgain) {
   b.emplace(*world, Role::kSubscriber);
   in.emplace(*b, "scan");
-  for (std::size_t life = 1; life <= 5; ++life) {
+  const auto lives = static_cast<std::size_t>(test::Rounds(3, 5));
+  for (std::size_t life = 1; life <= lives; ++life) {
     a.emplace(*world, Role::kPublisher);
     out.emplace(*a, "scan");
     ASSERT_TRUE(out->Joined()) << "life " << life;
@@ -25,7 +27,7 @@ TEST_P(TransportConformance, ASubscriberMayRestartWithTheSameSessionId) {
   a.emplace(*world, Role::kPublisher);
   out.emplace(*a, "scan");
   const SessionId id = SessionId::Random();
-  for (int life = 1; life <= 5; ++life) {
+  for (int life = 1; life <= test::Rounds(3, 5); ++life) {
     b.emplace(*world, Role::kSubscriber, id);
     in.emplace(*b, "scan", TextType(), kLossless);
     ASSERT_TRUE(out->Joined()) << "life " << life;
@@ -73,7 +75,7 @@ TEST_P(TransportConformance, ALosslessSubscriberGetsMessagesOfACutExactlyOnce) {
       std::this_thread::yield();
     }
   });
-  for (int cut = 0; cut < 8; ++cut) {
+  for (int cut = 0; cut < test::Rounds(2, 8); ++cut) {
     const std::size_t before = in->sink.count();
     EXPECT_TRUE(Eventually([&] { return in->sink.count() > before + 50; })) << "cut " << cut;
     if (cut % 2 == 0) {
@@ -97,7 +99,7 @@ TEST_P(TransportConformance, ALosslessSubscriberGetsMessagesOfACutExactlyOnce) {
 TEST_P(TransportConformance, AKeepLastSubscriberComesBackAfterACutWithoutRepeats) {
   if (world->cable() == nullptr) GTEST_SKIP() << "this transport cannot be cut";
   ASSERT_TRUE(Join(kRoomy));
-  for (int cut = 0; cut < 4; ++cut) {
+  for (int cut = 0; cut < test::Rounds(2, 4); ++cut) {
     world->cable()->Cut();
     for (int i = 0; i < 10; ++i) ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
     world->cable()->Resume();
@@ -111,16 +113,16 @@ TEST_P(TransportConformance, AKeepLastSubscriberComesBackAfterACutWithoutRepeats
 
 TEST_P(TransportConformance, ConcurrentPublishersKeepEachThreadsOrder) {
   ASSERT_TRUE(Join());
-  constexpr int kThreads = 4;
-  constexpr int kEach = 300;
+  constexpr std::size_t kThreads = 4;
+  const auto each = static_cast<std::size_t>(test::Rounds(100, 300));
   std::vector<std::thread> threads;
-  for (int t = 0; t < kThreads; ++t) {
+  for (std::size_t t = 0; t < kThreads; ++t) {
     threads.emplace_back([&, t] {
-      for (int i = 0; i < kEach; ++i) EXPECT_TRUE(out->PublishSoon(std::to_string(t) + " " + std::to_string(i)));
+      for (std::size_t i = 0; i < each; ++i) EXPECT_TRUE(out->PublishSoon(std::to_string(t) + " " + std::to_string(i)));
     });
   }
   for (auto& thread : threads) thread.join();
-  ASSERT_TRUE(Eventually([&] { return in->sink.count() == kThreads * kEach; }));
+  ASSERT_TRUE(Eventually([&] { return in->sink.count() == kThreads * each; }));
   std::array<int, kThreads> next{};
   for (const auto& text : in->sink.texts()) {
     const auto t = static_cast<std::size_t>(text[0] - '0');
@@ -131,6 +133,7 @@ TEST_P(TransportConformance, ConcurrentPublishersKeepEachThreadsOrder) {
 TEST_P(TransportConformance, SeveralChannelsAlternateWithoutPause) {
   Meet();
   constexpr int kChannels = 8;
+  const auto each = static_cast<std::size_t>(test::Rounds(100, 300));
   std::deque<Publication> all_out;
   std::deque<Reception> all_in;
   for (int c = 0; c < kChannels; ++c) {
@@ -139,13 +142,14 @@ TEST_P(TransportConformance, SeveralChannelsAlternateWithoutPause) {
     all_in.back().sink.answer = c % 2 == 0 ? Accepted::kRunApart : Accepted::kRunHere;
   }
   for (const auto& publication : all_out) ASSERT_TRUE(publication.Joined());
-  for (int i = 0; i < 300; ++i) {
+  for (std::size_t i = 0; i < each; ++i) {
     for (auto& publication : all_out) ASSERT_TRUE(publication.PublishSoon(std::to_string(i)));
   }
   for (const auto& reception : all_in) {
-    ASSERT_TRUE(Eventually([&] { return reception.sink.count() == 300 && reception.sink.runs == 300; }));
+    ASSERT_TRUE(
+        Eventually([&] { return reception.sink.count() == each && reception.sink.runs == static_cast<int>(each); }));
     EXPECT_FALSE(reception.sink.overlapped);
-    for (int i = 0; i < 300; ++i) EXPECT_EQ(reception.sink.texts()[static_cast<std::size_t>(i)], std::to_string(i));
+    for (std::size_t i = 0; i < each; ++i) EXPECT_EQ(reception.sink.texts()[i], std::to_string(i));
   }
 }
 
@@ -206,7 +210,7 @@ TEST_P(TransportConformance, EndingASubscriptionWaitsForItsRun) {
 }
 
 TEST_P(TransportConformance, EverythingMayBeDestroyedUnderLoad) {
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < test::Rounds(2, 5); ++round) {
     ASSERT_TRUE(Join(kRoomy, [](Sink& sink) { sink.answer = Accepted::kRunApart; }));
     std::atomic<bool> stop{false};
     std::vector<std::thread> threads;
