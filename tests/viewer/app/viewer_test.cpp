@@ -22,6 +22,7 @@
 #include "foxglove/SceneUpdate.pb.h"
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
+#include "support/await.hpp"
 #include "support/error_of.hpp"
 #include "support/scratch_folder.hpp"
 #include "viewer/app/showing.hpp"
@@ -159,7 +160,9 @@ class ViewerTest : public ::testing::Test {
   static ScriptedSurface::Step Until(std::function<bool(ScriptedSurface&)> step) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     return [step = std::move(step), deadline](ScriptedSurface& surface) {
-      if (!step(surface) && std::chrono::steady_clock::now() < deadline) surface.Again();
+      if (step(surface) || std::chrono::steady_clock::now() >= deadline) return;
+      hgros::test::Linger(std::chrono::milliseconds(5));
+      surface.Again();
     };
   }
   /// The error of a viewer that cannot be made.
@@ -428,6 +431,7 @@ TEST_F(ViewerTest, ReportsMissingChannelsWhenTheWindowCloses) {
 }
 
 TEST_F(ViewerTest, DoesNotSayThatNothingHasArrivedIfAPanelShowsIt) {
+  options_.fps_limit = 50;
   options_.offscreen = Viewport{64, 64};
   const MetOnThisHost met;
   Session robot;
