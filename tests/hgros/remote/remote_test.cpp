@@ -289,7 +289,7 @@ TEST_F(HgrosRemote, AMapperThatMovesBetweenHostsDrawsTheSameMap) {
                                     "writer.params.out=" + folder.path("out").string()};
   };
   std::vector<std::string> words = robot.Arguments(settings(robot));
-  words.insert(words.end(), {"--set", "source.params.rate=2"});
+  words.insert(words.end(), {"--set", "source.params.rate=1"});
   const auto run = host_.OnDesk(robot, words);
   ASSERT_TRUE(test::Await([&] {
     const auto ps = host_.OnDesk(robot, {"ps"});
