@@ -173,8 +173,9 @@ class Slam2dOthers(Slam2dTest):
             if not missing:
                 break
             self.assertLess(time.monotonic(), deadline, (missing, said))
-        # A busy machine may slow down the demo.
-        self.assertEqual(sorted(one["check"] for one in findings if one["check"] not in ("callback", "queue")),
+        # A busy machine may slow down the demo, and any machine may have faults of its own.
+        of_channels = ("type", "name", "publisher", "forbidden")
+        self.assertEqual(sorted(one["check"] for one in findings if one["check"] in of_channels),
                          ["forbidden", "name", "type"], said)
         for one in findings:
             self.assertNotEqual(one["fix"], "", one)
