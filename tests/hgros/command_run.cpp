@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <future>
 #include <iterator>
 #include <sstream>
 #include <utility>
 
+#include "support/at_once.hpp"
 #include "support/path.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
@@ -21,8 +21,10 @@ namespace hgros::cli {
 
 namespace {
 
-// The tests run without a domain, which hides the others.
+// The tests run without a domain, which hides the others. One at a time: all threads have one environment.
 std::unique_ptr<Session> MakeSession(const std::string& name, const std::string& domain, const std::string& config) {
+  static std::mutex making;
+  const std::scoped_lock lock(making);
   const char* before = std::getenv("HGROS_DOMAIN");
   const std::string kept = before == nullptr ? "" : before;
   setenv("HGROS_DOMAIN", domain.c_str(), 1);
@@ -156,8 +158,7 @@ void TwoAtATime(std::size_t count, const std::function<void(std::size_t)>& act) 
   const auto every_second = [&](std::size_t i) {
     for (; i < count; i += 2) act(i);
   };
-  const auto others = std::async(std::launch::async, every_second, 1);
-  every_second(0);
+  test::AtOnce({[&] { every_second(0); }, [&] { every_second(1); }});
 }
 
 std::map<std::string, std::string> OwnDomain() { return {{"HGROS_DOMAIN", "cli" + std::to_string(RandomId())}}; }

@@ -74,7 +74,7 @@ auto Writes(const Out& out) {
   return testing::AllOf(Ends(0, ""), testing::Field("out", &CommandEnd::out, out));
 }
 CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
-/// Does that with 0 and so on, below `count`, in this thread and another one: a command waits more than it computes.
+/// Does that with 0 and so on, below `count`, in two threads: a command waits more than it computes.
 void TwoAtATime(std::size_t count, const std::function<void(std::size_t)>& act);
 /// The command with a --timeout that a busy machine keeps, too: without one, most wait only a second for an answer.
 std::vector<std::string> Patiently(std::vector<std::string> arguments);

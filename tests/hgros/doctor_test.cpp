@@ -52,8 +52,17 @@ TEST(HgrosDoctor, FindsFaultsOfChannelsNodesAndThreads) {
                                               [&](const Tick&) { publish(std::make_unique<Log>()); });
   ASSERT_TRUE(test::Await([&] { return lowered.load(); }));
   other.AwaitAnnounced();
-  auto texts = std::async(std::launch::async, [&robot] { return robot.Run(Patiently({"doctor"})); });
-  CommandEnd end;  // On a busy machine, not every two seconds show all.
+  // On a busy machine, not every two seconds show all.
+  auto texts = std::async(std::launch::async, [&robot] {
+    CommandEnd all;
+    (void)test::Await([&] {
+      all = robot.Run(Patiently({"doctor"}));
+      return all.out.find("Node control_of_the_arm") != std::string::npos &&
+             all.out.find("but desk:") != std::string::npos;
+    });
+    return all;
+  });
+  CommandEnd end;
   (void)test::Await([&] {
     end = robot.Run(Patiently({"doctor", "--json"}));
     return end.out.find("because its queue of 3 is full") != std::string::npos;

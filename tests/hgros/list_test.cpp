@@ -186,7 +186,7 @@ TEST(HgrosList, SaysSoWhenItCanOpenTooFewFiles) {
     const auto publish = robot.session().Advertise<Log>("status");
     robot.AwaitAnnounced();
     const std::string files = std::to_string(8 + i);
-    const CommandEnd end = RunInShell("ulimit -n " + files + "; $HGROS list --timeout 1", robot.environment());
+    const CommandEnd end = RunInShell("ulimit -n " + files + "; $HGROS list --timeout 2", robot.environment());
     const bool listed = end.out.find("status") != std::string::npos;
     EXPECT_TRUE(listed || end.err.find("Too many open files") != std::string::npos ||
                 end.err.find("limit of open files") != std::string::npos)

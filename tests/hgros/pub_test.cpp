@@ -238,7 +238,7 @@ TEST(HgrosPub, EndsWithCode3WhenPublishingTakesLongerThanTheTimeoutOrALosslessSu
   robot.AwaitAnnounced();
   CommandRun rare({"pub", "wish", "{message: a}", "--timeout", "2", "--rate", "0.01"}, robot.environment());
   CommandRun many({"pub", "wish", "{message: a}", "--timeout", "2", "-n", "999"}, robot.environment());
-  CommandRun full({"pub", "full", "--rate", "10000", "-n", "100000", "--timeout", "4"}, robot.environment());
+  CommandRun full({"pub", "full", "--rate", "10000", "-n", "100000", "--timeout", "6"}, robot.environment());
   for (CommandRun* run : {&rare, &many}) {
     EXPECT_EQ(run->Wait(), 3);
     EXPECT_THAT(run->err(), HasSubstr("Publishing takes longer than --timeout allows."));

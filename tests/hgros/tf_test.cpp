@@ -111,8 +111,8 @@ TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
       return one.err;
     });
   };
-  const auto old = fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, "which is too old");
-  const auto apart = fails({"tf", "echo", "map", "dock"}, "No edges lead from \"dock\" to \"map\"");
+  auto old = fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, "which is too old");
+  auto apart = fails({"tf", "echo", "map", "dock"}, "No edges lead from \"dock\" to \"map\"");
   auto misspelled = fails({"tf", "echo", "map", "lasr"}, "the nearest name is");
   const CommandEnd end = Run(Patiently({"tf", "echo", "map", "laser", "--once"}));
   EXPECT_EQ(end.status, 0) << end.err;
@@ -132,6 +132,8 @@ TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
   EXPECT_EQ(now.status, 0) << now.err;
   EXPECT_THAT(now.out, HasSubstr("yaw: 90.00"));
   EXPECT_EQ(Run({"tf", "echo", "map", "base", "--at", "noon"}).status, 2);
+  EXPECT_THAT(old.get(), HasSubstr("which is too old"));
+  EXPECT_THAT(apart.get(), HasSubstr("No edges lead from"));
   EXPECT_EQ(misspelled.get(), "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
 
   for (const char* command : {"tf tree", "tf echo"}) {

@@ -7,7 +7,7 @@
 //                         node (a subscription on the workers, which then gets three messages)
 //
 // Writes "log: LINE" for each line of the session's log, "error: WHAT" for an Error, "got N" messages, "done", and at
-// the end of each process "end LEFT STATUS". Exit status 77: this machine has no user namespaces.
+// the end of each process "end LEFT STATUS", as of waitpid(). Exit status 77: this machine has no user namespaces.
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -117,7 +117,10 @@ int main(int count, char** texts) {
   std::istringstream lefts(arguments.Text("left"));
   for (std::string left; std::getline(lefts, left, ',');) {
     const pid_t child = fork();
-    if (child == 0) return hgros::resilience::Program(arguments, std::stoull(left)).Run();
+    if (child == 0) {
+      alarm(60);  // It must not hang.
+      return hgros::resilience::Program(arguments, std::stoull(left)).Run();
+    }
     int status = 0;
     waitpid(child, &status, 0);
     hgros::resilience::Say("end " + left + " " + std::to_string(status));

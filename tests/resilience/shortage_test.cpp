@@ -16,7 +16,7 @@ namespace hgros::resilience {
 namespace {
 
 constexpr std::size_t kImageBytes = 24 << 20;
-constexpr const char* kSpare = "--spare-mb=44";  // One such message, but not two.
+constexpr const char* kSpare = "--spare-mb=38";  // One such message, but not two.
 
 std::vector<std::string> Talker(const std::string& config, const std::string& more) {
   return {config, "--out=images", "--await=1", "--size=" + std::to_string(kImageBytes), "--period-us=20000", kSpare,

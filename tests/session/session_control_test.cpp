@@ -373,7 +373,7 @@ TEST_F(SteeredSession, AnswersOfOthersComeIfOneSessionIsGone) {
   std::chrono::milliseconds time = kShort;
   EXPECT_TRUE(Await([&] {
     const auto answers = AskSessions(*desk.session, asked, ForChannel(ControlAction::kClose, "notes"), time *= 2);
-    EXPECT_EQ(answers.size(), 3U);
+    if (answers.size() != 3U) return false;
     EXPECT_FALSE(answers[1].answered);
     EXPECT_EQ(answers[2].session, second->id());
     return answers[0].answered && answers[2].answered;

@@ -53,8 +53,8 @@ TEST_P(SessionEnd, WaitsForASubscriberWhileItTakesMessagesHoweverSlowly) {
   for (const std::chrono::milliseconds pause : {std::chrono::milliseconds(0), std::chrono::milliseconds(150)}) {
     SCOPED_TRACE(pause.count());
     Robot& talker = MakeTalker();
-    const auto publish = talker->Advertise<Note>("notes", {.latched = 6});
-    for (int i = 0; i < 6; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
+    const auto publish = talker->Advertise<Note>("notes", {.latched = 8});
+    for (int i = 0; i < 8; ++i) ASSERT_EQ(publish(Note(std::to_string(i))), PublishStatus::kOk);
     Robot& listener = MakeListener();
     std::atomic<int> taken{0};
     const auto take = [&](const Note&) {
@@ -66,7 +66,7 @@ TEST_P(SessionEnd, WaitsForASubscriberWhileItTakesMessagesHoweverSlowly) {
     ASSERT_TRUE(Await([&] { return taken > 0; }));
     talker.session.reset();
     if (kThreadsMayStop && talker.Count(kRestIsLost) == 1) continue;
-    EXPECT_TRUE(Await([&] { return taken == 6; })) << taken;
+    EXPECT_TRUE(Await([&] { return taken == 8; })) << taken;
     EXPECT_EQ(talker.Count(kRestIsLost), 0U);
   }
 }

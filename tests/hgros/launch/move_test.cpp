@@ -132,7 +132,10 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
   EXPECT_TRUE(robot.HasCountedAll());
   for (const std::string to : {"a", "ends", "b", "a", "a"}) {
     const CommandEnd end = robot.Move(to);
-    if (end.status != 0 && end.err.find("at this moment") != std::string::npos) continue;
+    if (end.status != 0 && end.err.find("at this moment") != std::string::npos) {
+      EXPECT_TRUE(test::Await([&] { return robot.Places().size() == 1; }));
+      continue;
+    }
     EXPECT_EQ(end.status, 0) << end.err << robot.out();
     EXPECT_EQ(end.out + end.err, "");
     EXPECT_EQ(robot.Places(), std::vector{to});

@@ -76,7 +76,7 @@ struct KeepingSource final : conformance::Source {
 };
 
 TEST_F(ShmPairLife, ASlowPayloadOrReaderOfALargeMessageIsNotSilentAndASourceKeepsNothingForOneThatIs) {
-  constexpr std::size_t kSize = 16 << 20;
+  constexpr std::size_t kSize = 64 << 20;
   const auto large = std::make_shared<const std::string>(kSize, 'x');  // Before there is a peer that waits for it.
   Publication out(*reader, "out");
   KeepingSource keeping;
