@@ -1,8 +1,9 @@
 # What the suites of the languages in tests/ share.
 
 # hgros_language_tests(suite SOURCES source... COMMAND word... [ENVIRONMENT variable...] [PROPERTIES property value...])
-# An entry of ctest for the tests of each source, SUITE.STEM, since starting an interpreter takes longer than most tests.
-# In COMMAND @source@ is the file and @stem@ its name without the extension. A source without tests must fail.
+# An entry of ctest for the tests of each source, or of whatever else names tests: SUITE.STEM. Starting an interpreter takes
+# longer than most tests. In COMMAND @source@ is the file and @stem@ its name without the extension. A source without tests
+# must fail.
 function(hgros_language_tests SUITE)
   cmake_parse_arguments(ARG "" "" "SOURCES;COMMAND;ENVIRONMENT;PROPERTIES" ${ARGN})
   math(EXPR seconds "3 * ${HGROS_TEST_SECONDS}")

@@ -30,7 +30,7 @@ endfunction()
 # hgros_discover(target label [TIMED|SYSTEM|DEEP|SERIAL|NETWORK name...] [PROPERTIES ctest properties...])
 # Entries of ctest for the tests of a GoogleTest program, with the label: one for each suite, since starting a process
 # takes longer than most tests, or one for each test of a program labelled system, except in suites that SYSTEM or TIMED
-# names. The lists name tests that are timed, system or deep, that run while no other test runs (SERIAL), or one after the other
+# names. The lists name tests that are timed, system or deep, that run while no other test runs (SERIAL), or one after another
 # because they make network namespaces (NETWORK). A name is that of a suite, or a regular expression for the beginning of
 # suite.test; a test that is deep, SERIAL or NETWORK has its own entry. TIMED and SYSTEM name whole suites. The name of a
 # suite is that of one program only. Values of PROPERTIES have no spaces. The targets tests_pure, tests_timed and

@@ -1,12 +1,14 @@
 using System;
 using System.IO;
+using System.Linq;
 using System.Reflection;
 using System.Runtime.InteropServices;
 using System.Threading;
 using Hgros;
 using static Test;
 
-// What is about a whole process: the end of a program, which must not wait for threads of the library, and its memory.
+// What is about a whole process: the end of a program, which must not wait for threads of the library, its memory, and what
+// it writes.
 public static class ProcessTest {
   private static readonly DynamicType Log = DynamicType.Known("foxglove.Log");
 
@@ -75,6 +77,35 @@ public static class ProcessTest {
         Until("all callbacks run", () => heard == 60000);
       }
       Equal(0UL, Message.Leases);
+    }
+  }
+
+  [Test]
+  public static void ExceptionsThatNoSessionCanLogAreWrittenTenTimes() {
+    var written = new StringWriter();
+    TextWriter writer = TextWriter.Synchronized(written);
+    Console.SetError(writer);
+    int ended = 0;
+    using (var publisher = new Session()) {
+      RawPublisher go = publisher.AdvertiseRaw("go", Schema.Raw("Go"));
+      for (int i = 0; i < 15; ++i) {
+        var session = new Session();
+        session.ListenRaw("go", message => {
+          session.Dispose();
+          Interlocked.Increment(ref ended);
+          throw new InvalidOperationException("no way");
+        });
+      }
+      publisher.WaitForSubscribers("go", 15, Patience);
+      go.Publish(new byte[1]);
+      Until("all callbacks have run", () => Volatile.Read(ref ended) == 15);
+      Until("ten are written", () => {  // Perhaps the last line first.
+        string[] lines;
+        lock (writer) lines = written.ToString().Split('\n');  // As its methods do.
+        return lines.Count(line => line.StartsWith("hgros: an exception of a callback cannot be reported: ")) == 10 &&
+               lines.Count(line => line.Contains("InvalidOperationException: no way")) == 10 &&
+               lines.Any(line => line.Contains("further exceptions"));
+      });
     }
   }
 

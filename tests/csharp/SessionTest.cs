@@ -65,35 +65,6 @@ public static class SessionTest {
   }
 
   [Test]
-  public static void ExceptionsThatNoSessionCanLogAreWrittenTenTimes() {
-    var written = new StringWriter();
-    TextWriter writer = TextWriter.Synchronized(written);
-    Console.SetError(writer);
-    int ended = 0;
-    using (var publisher = new Session()) {
-      RawPublisher go = publisher.AdvertiseRaw("go", Schema.Raw("Go"));
-      for (int i = 0; i < 15; ++i) {
-        var session = new Session();
-        session.ListenRaw("go", message => {
-          session.Dispose();
-          Interlocked.Increment(ref ended);
-          throw new InvalidOperationException("no way");
-        });
-      }
-      publisher.WaitForSubscribers("go", 15, Patience);
-      go.Publish(new byte[1]);
-      Until("all callbacks have run", () => Volatile.Read(ref ended) == 15);
-      Until("ten are written", () => {  // Perhaps the last line first.
-        string[] lines;
-        lock (writer) lines = written.ToString().Split('\n');  // As its methods do.
-        return lines.Count(line => line.StartsWith("hgros: an exception of a callback cannot be reported: ")) == 10 &&
-               lines.Count(line => line.Contains("InvalidOperationException: no way")) == 10 &&
-               lines.Any(line => line.Contains("further exceptions"));
-      });
-    }
-  }
-
-  [Test]
   public static void ManyTasksWaitWithOneThread() {
     using (var session = new Session())
     using (var publisher = session.Advertise("go", Log)) {

@@ -20,6 +20,7 @@ internal static class Test {
         (method.Name == arguments[0] || method.DeclaringType.Name == arguments[0]))) {
       string domain = "csharp-" + Process.GetCurrentProcess().Id + "-" + ++run;
       Environment.SetEnvironmentVariable("HGROS_DOMAIN", domain);
+      Console.WriteLine("RUN " + test.Name);
       try {
         ((Action)Delegate.CreateDelegate(typeof(Action), test))();
         Console.WriteLine("PASS " + test.Name);

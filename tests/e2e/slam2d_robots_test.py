@@ -48,7 +48,9 @@ class Slam2dResults(Slam2dTest):
         self.assertEqual(len((self.folder / "slam2d_out/trajectory.tum").read_text().splitlines()), SCANS)
 
     def test_three_processes_get_the_reference_result(self):
-        self.assertEqual(self.hashes(self.start("three_processes.yaml", SHORT)), self.reference(SCANS))
+        scans = 300  # The path comes back to where it was.
+        running = self.start("three_processes.yaml", {"source.params.scans": scans})
+        self.assertEqual(self.hashes(running), self.reference(scans))
 
     def test_two_hosts_get_the_reference_result(self):
         ports = {f"hosts.{host}.port": port for host, port in zip(("cart", "base"), free_ports(2))}

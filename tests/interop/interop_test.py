@@ -27,7 +27,7 @@ import time
 
 COUNT = 500
 ENDLESS = 1_000_000_000
-CLOUD_BYTES = 1_000_000
+CLOUD_BYTES = 1_500_000
 PATIENCE_S = 40  # Most roles wait 30 s, and then say what did not come.
 
 

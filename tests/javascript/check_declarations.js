@@ -9,7 +9,7 @@ const compiled = ts.createProgram([declarations, program], {
   moduleResolution: ts.ModuleResolutionKind.Node10, esModuleInterop: true, typeRoots: [types], baseUrl: '.',
   paths: { hgros: [declarations] },
 });
-const faults = [...compiled.getOptionsDiagnostics(), ...compiled.getSyntacticDiagnostics(),
+const faults = [...compiled.getOptionsDiagnostics(), ...compiled.getGlobalDiagnostics(), ...compiled.getSyntacticDiagnostics(),
   ...[declarations, program].flatMap((file) => compiled.getSemanticDiagnostics(compiled.getSourceFile(file)))];
 for (const { file, start, messageText } of faults) {
   const line = file ? file.getLineAndCharacterOfPosition(start).line + 1 : '';

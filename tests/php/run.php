@@ -118,6 +118,7 @@ foreach (array_diff(get_defined_functions()['user'], $own) as $test) {
     }
     ++$run;
     putenv("HGROS_DOMAIN=php-$process-" . strtolower($name));
+    echo "RUN $name\n";
     try {
         $name();
         echo "PASS $name\n";
