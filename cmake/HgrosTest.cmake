@@ -84,19 +84,33 @@ function(hgros_label_tests)
   endforeach()
 endfunction()
 
+# hgros_deep(program...): only deep tests use these programs, so the target `all` does not build them, but `tests_deep` does.
+function(hgros_deep)
+  set_target_properties(${ARGN} PROPERTIES EXCLUDE_FROM_ALL ON)
+  if(NOT TARGET tests_deep)
+    add_custom_target(tests_deep)
+  endif()
+  add_dependencies(tests_deep ${ARGN})
+endfunction()
+
 # hgros_test(NAME name LABEL label SOURCES ... LINK targets... [PATHS name=path...]
 #            [TIMED|SYSTEM|DEEP|SERIAL|NETWORK name...] [PROPERTIES ctest properties...])
 # One GoogleTest suite: an executable <name>, and its tests (hgros_discover). Links static modules (hgros::base ...) or
 # the shared library (hgros::hgros), never both: two copies of one module in a process would register its protobuf
-# files twice. The test gets a path by test::Path(name) of tests/support/path.hpp. Paths are in a source of their own, so
-# that the other objects are the same in each checkout and ccache has them. Sources are compiled in groups: a name that
-# another source of the program uses too needs a namespace, that of the file.
+# files twice. The test gets a path by test::Path(name) of tests/support/path.hpp. Paths are in a file beside the program, so
+# that objects are the same in each checkout and ccache has them. Sources are compiled in groups: a name that another source
+# of the program uses too needs a namespace, that of the file.
 function(hgros_test)
   cmake_parse_arguments(ARG "" "NAME;LABEL" "SOURCES;LINK;PATHS;${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
   add_executable(${ARG_NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/alone.cpp)
   target_include_directories(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/include ${PROJECT_SOURCE_DIR}/tests)
-    # Compiling a test takes longer than running it. ThreadSanitizer has little to gain.
-  if(NOT HGROS_SANITIZE STREQUAL "thread")
+  # Compiling a test takes longer than running it. Without sanitizers -Og compiles as fast as -O0 and writes half as much,
+  # but finds variables uninitialized that are not; a section for each function is for libraries; the memory lets GCC 12
+  # collect its garbage seldom. ThreadSanitizer has little to gain.
+  if(NOT HGROS_SANITIZE)
+    target_compile_options(${ARG_NAME} PRIVATE -Og -Wno-maybe-uninitialized -fno-function-sections -fno-data-sections
+      $<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=524288>)
+  elseif(NOT HGROS_SANITIZE STREQUAL "thread")
     target_compile_options(${ARG_NAME} PRIVATE -O0)
   endif()
   if(HGROS_GOLD_LINKS)
@@ -111,21 +125,9 @@ function(hgros_test)
   endif()
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LINK} hgros_warnings GTest::gmock GTest::gtest_main)
   if(ARG_PATHS)
-    list(TRANSFORM ARG_PATHS REPLACE "^([^=]+)=(.*)$" "    {\"\\1\", R\"path(\\2)path\"},\n")
-    list(JOIN ARG_PATHS "" paths)
-    set(source ${CMAKE_CURRENT_BINARY_DIR}/${ARG_NAME}_paths.cpp)
-    file(GENERATE OUTPUT ${source} CONTENT "#include \"support/path.hpp\"
-
-#include <map>
-
-std::string hgros::test::Path(const std::string& name) {
-  static const std::map<std::string, std::string> paths{
-${paths}  };
-  return paths.at(name);
-}
-")
-    target_sources(${ARG_NAME} PRIVATE ${source})
-    set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    list(JOIN ARG_PATHS "\n" paths)
+    file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${ARG_NAME}.paths CONTENT "${paths}\n")
+    target_sources(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/path.cpp)
   endif()
   set(filters)
   foreach(list IN LISTS HGROS_TEST_LISTS)
