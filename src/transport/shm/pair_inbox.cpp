@@ -36,7 +36,7 @@ PairInbox::Step PairInbox::Next(Arrival& arrival, std::uint64_t max_message_byte
   };
   const std::scoped_lock lock(mutex_);
   for (; !earlier_.empty(); earlier_.pop_back()) {
-    if (!earlier_.back()->all_read()) return Step::kNotYet;
+    if (!earlier_.back()->ended()) return Step::kNotYet;
   }
   if (!lane_) return Step::kNothing;
   switch (lane_->Peek(descriptor)) {

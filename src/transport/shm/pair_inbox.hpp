@@ -57,7 +57,7 @@ class PairInbox {
   void StopReading();
   /// Forgets everything. Returns the links, so that the caller can count their publishers.
   [[nodiscard]] std::vector<std::shared_ptr<InLink>> Clear();
-  /// Messages of `earlier`, an inbox of the same session, are read before those of this one.
+  /// Messages of `earlier`, an inbox of the same session, are read before those of this one, and its end is told.
   void ReadAfter(std::shared_ptr<const PairInbox> earlier);
 
   /// Sends a heartbeat to the peer.
@@ -110,7 +110,9 @@ class PairInbox {
   }
   /// All was read. True the first time.
   bool MarkAllRead() noexcept { return !all_read_.exchange(true); }
-  [[nodiscard]] bool all_read() const noexcept { return all_read_.load(); }
+  /// All was read, and subscriptions know that its links have ended.
+  void MarkEnded() noexcept { ended_ = true; }
+  [[nodiscard]] bool ended() const noexcept { return ended_.load(); }
 
  private:
   [[nodiscard]] static Payload PayloadOf(const std::shared_ptr<Slip>& slip, const Descriptor& descriptor,
@@ -128,6 +130,7 @@ class PairInbox {
   std::vector<std::shared_ptr<const PairInbox>> earlier_;
   bool blocked_ = false;
   std::atomic<bool> all_read_{false};
+  std::atomic<bool> ended_{false};
 };
 
 }  // namespace hgros::shm

@@ -368,5 +368,20 @@ TEST(ShmPairInbox, LastMessageEndsItsLinkEvenIfItIsLost) {
   EXPECT_TRUE(arrival.ends);
 }
 
+// A gap in the messages of a later connection is explained by the end of the one before, so the end is told first.
+TEST(ShmPairInbox, IsReadWhenTheEndOfAnEarlierOneIsTold) {
+  Lane lane;
+  Lane later_lane;
+  const auto earlier = std::make_shared<PairInbox>(lane.slip);
+  PairInbox later(later_lane.slip);
+  later.ReadAfter(earlier);
+  PairInbox::Arrival arrival;
+  EXPECT_EQ(later.Next(arrival, 1000), PairInbox::Step::kNotYet);
+  EXPECT_TRUE(earlier->MarkAllRead());
+  EXPECT_EQ(later.Next(arrival, 1000), PairInbox::Step::kNotYet);
+  earlier->MarkEnded();
+  EXPECT_EQ(later.Next(arrival, 1000), PairInbox::Step::kNothing);
+}
+
 }  // namespace
 }  // namespace hgros::shm

@@ -118,7 +118,7 @@ void Connections::BeginPair(const std::shared_ptr<Pair>& pair) {
   obstacles_.Clear(pair->place, pair->facts.info.id);
   destinations_.ResetPause(pair->place);
   for (const auto& other : pairs_.List()) {
-    if (!other->ending || other->in.all_read() || other->facts.info.id != pair->facts.info.id) continue;
+    if (!other->ending || other->in.ended() || other->facts.info.id != pair->facts.info.id) continue;
     pair->in.ReadAfter(std::shared_ptr<const PairInbox>(other, &other->in));
   }
   pair->alive = true;

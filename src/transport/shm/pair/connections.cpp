@@ -189,6 +189,7 @@ void Connections::OnAllRead(const std::shared_ptr<Pair>& pair) {
     if (link->granted) InboundCore::CountPublisher(link->core, pair->facts.info.id, -1, actions);
   }
   for (const auto& action : actions) action();
+  pair->in.MarkEnded();
   if (std::exchange(pair->announced, false)) registry_.Gone(pair->facts.info, pair->end_reason);
   for (const auto& other : pairs_.List()) {
     if (other->facts.info.id == pair->facts.info.id) bell_.Ring(other->number);  // It may have waited for this one.
