@@ -296,7 +296,7 @@ class Tcp:
                    f"discovery: {{local: false}}\n"
                    f"network: {{publisher: {{ip: \"{own}\"}}, subscribers: [{{ip: \"{other}\"}}], "
                    # A lossless publisher waits so long for a subscriber that was killed.
-                   f"heartbeat_ms: 200, peer_timeout_ms: 1000}}\n"}
+                   f"heartbeat_ms: 200, peer_timeout_ms: 2000}}\n"}
 
 
 class SharedMemory:
