@@ -23,60 +23,83 @@ constexpr int kTries = 100;
 
 void OwnAnnouncement::Announce(const Announcement& own, std::size_t readers) {
   std::string content = EncodeFile(own);
-  const std::scoped_lock lock(mutex_);
-  if (file_) {
-    if (own.session != session_) {
-      throw Error("A registry that announces session " + session_.ToString() + " cannot announce " +
-                      own.session.ToString() + " too.",
-                  folder_.path().string(), "Open a registry for each session.");
-    }
-    if (content == content_) return;
-    content_ = std::move(content);
-    const Clock::duration pause =
-        kPauseForReader * std::min<std::size_t>(readers, kLongestWritePause / kPauseForReader);
-    next_write_ = std::max(Clock::now(), last_write_ + std::max<Clock::duration>(pause, kBetweenWrites));
-    return;
-  }
-  session_ = own.session;
-  content_ = std::move(content);
-  file_.emplace(folder_.path(), session_);
-  try {
-    Write();
-  } catch (...) {
-    file_.reset();
-    throw;
-  }
+  if (TryChange(own, content, readers)) return;
+  const std::scoped_lock writing(writing_);
+  if (!TryChange(own, content, readers)) WriteFirst(own, std::move(content));
 }
 
-void OwnAnnouncement::Write() {
+// False if there is no first one yet.
+bool OwnAnnouncement::TryChange(const Announcement& own, const std::string& content, std::size_t readers) {
+  const std::scoped_lock lock(mutex_);
+  if (!announced_) return false;
+  if (own.session != session_) {
+    throw Error("A registry that announces session " + session_.ToString() + " cannot announce " +
+                    own.session.ToString() + " too.",
+                folder_.path().string(), "Open a registry for each session.");
+  }
+  if (content == content_) return true;
+  content_ = content;
+  const Clock::duration pause = kPauseForReader * std::min<std::size_t>(readers, kLongestWritePause / kPauseForReader);
+  next_write_ = std::max(Clock::now(), last_write_ + std::max<Clock::duration>(pause, kBetweenWrites));
+  return true;
+}
+
+void OwnAnnouncement::WriteFirst(const Announcement& own, std::string content) {
+  const auto note = [&](SessionId session, bool announced) {
+    const std::scoped_lock lock(mutex_);
+    session_ = session;
+    announced_ = announced;
+    if (announced) content_ = std::move(content);
+  };
+  note(own.session, false);
+  file_.emplace(folder_.path(), own.session);
+  try {
+    Write(content);
+  } catch (...) {
+    file_.reset();
+    note({}, false);
+    throw;
+  }
+  note(own.session, true);
+}
+
+void OwnAnnouncement::Write(const std::string& content) {
   for (int tries = 0; tries < kTries; ++tries) {
     folder_.Make();  // The last session that left may have removed it.
-    if (!file_->Put(content_)) continue;
+    if (!file_->Put(content)) continue;
+    const std::scoped_lock lock(mutex_);
     last_write_ = Clock::now();
-    next_write_.reset();
     return;
   }
   throw Error("The folder in which sessions find each other is removed repeatedly.", folder_.path().string(),
               "Stop the program that removes it.");
 }
 
-void OwnAnnouncement::TryWrite() {
+void OwnAnnouncement::WriteDue() {
+  std::string content;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!announced_ || !next_write_ || *next_write_ > Clock::now()) return;
+    content = content_;
+    next_write_.reset();
+  }
   try {
-    Write();
+    Write(content);
   } catch (const Error& error) {
     log_.WriteLimited(LogLevel::kError, "registry write", error.what());
+    const std::scoped_lock lock(mutex_);
     next_write_ = Clock::now() + kBetweenFailures;
   }
 }
 
 bool OwnAnnouncement::announced() const {
   const std::scoped_lock lock(mutex_);
-  return file_.has_value();
+  return announced_;
 }
 
 bool OwnAnnouncement::Owns(SessionId session) const {
   const std::scoped_lock lock(mutex_);
-  return file_ && session == session_;
+  return session == session_;
 }
 
 std::optional<Clock::time_point> OwnAnnouncement::next_write() const {
@@ -85,25 +108,31 @@ std::optional<Clock::time_point> OwnAnnouncement::next_write() const {
 }
 
 void OwnAnnouncement::WriteIfDue() noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (file_ && next_write_ && *next_write_ <= Clock::now()) TryWrite();
+  const std::scoped_lock writing(writing_);
+  WriteDue();
 }
 
 void OwnAnnouncement::RestoreIfLost() noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (!file_ || next_write_ || file_->IsInPlace()) return;
+  const std::scoped_lock writing(writing_);
+  if (!file_ || next_write() || file_->IsInPlace()) return;
   log_.WriteLimited(LogLevel::kWarning, "registry lost " + session_.ToString(),
                     "The file that announces this session was removed by another program (" + file_->path().string() +
                         "); it is written again. Do not clean this folder up: "
                         "sessions remove the files of dead ones themselves.");
-  // The other program may continue to remove files.
-  next_write_ = std::max(Clock::now(), last_write_ + kBetweenWrites);
-  if (*next_write_ <= Clock::now()) TryWrite();
+  {
+    // The other program may continue to remove files.
+    const std::scoped_lock lock(mutex_);
+    next_write_ = std::max(Clock::now(), last_write_ + kBetweenWrites);
+  }
+  WriteDue();
 }
 
 void OwnAnnouncement::Withdraw() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock writing(writing_);
   file_.reset();
+  const std::scoped_lock lock(mutex_);
+  announced_ = false;
+  session_ = {};
 }
 
 }  // namespace hgros::discovery

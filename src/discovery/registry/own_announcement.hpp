@@ -14,7 +14,7 @@
 namespace hgros::discovery {
 
 /// This session's announcement in a registry's folder: the first is written at once, later changes in bursts.
-/// Thread-safe.
+/// Thread-safe. Beside a busy disk, a file may take seconds to write. Meanwhile only the writing thread waits.
 class OwnAnnouncement {
  public:
   /// `folder` and `log` outlive it.
@@ -35,14 +35,20 @@ class OwnAnnouncement {
   void Withdraw() noexcept;
 
  private:
-  void Write();     // Called with the lock held.
-  void TryWrite();  // Called with the lock held; tries again later on failure.
+  [[nodiscard]] bool TryChange(const Announcement& own, const std::string& content, std::size_t readers);
+  // These are called with writing_ held.
+  void WriteFirst(const Announcement& own, std::string content);
+  void Write(const std::string& content);
+  void WriteDue();  // Tries again later on failure.
 
   const RegistryFolder& folder_;
   Log& log_;
-  mutable std::mutex mutex_;
-  std::optional<OwnFile> file_;  // Guarded by mutex_, like all members below.
-  SessionId session_;
+  std::mutex writing_;           // Held while a file is written; taken before mutex_.
+  std::optional<OwnFile> file_;  // Guarded by writing_.
+
+  mutable std::mutex mutex_;  // Guards all members below. Not held while a file is written.
+  bool announced_ = false;
+  SessionId session_;  // Set before the file is there.
   std::string content_;
   std::optional<std::chrono::steady_clock::time_point> next_write_;
   std::chrono::steady_clock::time_point last_write_;

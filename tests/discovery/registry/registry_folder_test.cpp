@@ -8,10 +8,13 @@
 
 #include <atomic>
 #include <fstream>
+#include <future>
 #include <thread>
 
 #include "discovery/listening.hpp"
+#include "discovery/registry/announcement_file.hpp"
 #include "discovery/registry/folder_watch.hpp"
+#include "discovery/registry/own_announcement.hpp"
 #include "discovery/registry/own_file.hpp"
 #include "discovery/registry/session_file.hpp"
 #include "hgros/base/error.hpp"
@@ -136,6 +139,40 @@ TEST(FolderWatch, MayHaveMissedChangesAndDeathsWhenTheSystemHasDroppedEvents) {
   const FolderWatch::News news = watch.Read(2);
   EXPECT_TRUE(news.missed);
   EXPECT_TRUE(news.deaths);
+}
+
+// Beside a busy disk, a file may take seconds to write. Here, the thread that writes it stands still in the log.
+TEST_F(RegistryFolderTest, AChangeDoesNotWaitForAFileThatIsBeingWritten) {
+  std::promise<void> writes;
+  std::promise<void> goes_on;
+  Log log([&](LogLevel, std::string_view) {
+    writes.set_value();
+    goes_on.get_future().wait();
+  });
+  const RegistryFolder own_folder(options);
+  OwnAnnouncement announced(own_folder, log);
+  Announcement own = NewAnnouncement();
+  announced.Announce(own, 0);
+  fs::remove_all(folder);
+  std::thread writer([&] { announced.RestoreIfLost(); });
+  writes.get_future().wait();
+  own.process = "changed";
+  std::promise<void> told;
+  std::thread teller([&] {
+    announced.Announce(own, 0);
+    told.set_value();
+  });
+  EXPECT_EQ(told.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  goes_on.set_value();
+  writer.join();
+  teller.join();
+  const auto written = [&] {
+    announced.WriteIfDue();
+    return !announced.next_write();
+  };
+  EXPECT_TRUE(test::Await(written));
+  std::ifstream file(folder / FileName(own.session), std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), EncodeFile(own));
 }
 
 }  // namespace
