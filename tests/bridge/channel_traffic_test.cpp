@@ -13,7 +13,7 @@ ChannelTraffic TrafficOf(const Robot& robot, const std::string& channel) {
 
 class ChannelTrafficTest : public testing::Test {
  protected:
-  const Bus bus;
+  const Bus bus{};
   Robot talker{bus.Publishing("a")};
   Robot listener{bus.Subscribing("a")};
   Notes notes;

@@ -76,7 +76,7 @@ class LackOfMemory : public DomainFixture, public testing::WithParamInterface<bo
     return talker->Call<RawImage, RawImage>("turn", std::move(image), timeout).Wait();
   }
 
-  const Bus bus;
+  const Bus bus{};
   const std::string shm = "shared_memory: {limit_bytes: 4096}\n";
   const std::string alone = "discovery: {local: false}\n";
   Robot talker{GetParam() ? shm : bus.Both("a", "b") + alone, "talker"};

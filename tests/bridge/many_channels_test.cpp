@@ -18,7 +18,7 @@ std::string Name(std::size_t i) { return "robot/sensor" + std::to_string(i); }
 class ManyChannels : public DomainFixture {
  protected:
   static constexpr const char* kAlone = "discovery: {local: false}\n";
-  const Bus bus;
+  const Bus bus{};
 
   // One message on each channel; each must arrive.
   static void Pass(Robot& talker, Robot& listener, std::size_t count) {

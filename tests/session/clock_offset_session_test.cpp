@@ -52,7 +52,8 @@ std::optional<bool> Holds(const Session& session, const Session& peer, const Wal
 class ClockOffsetOfSessions : public testing::TestWithParam<std::pair<Wall, Wall>> {};
 
 TEST_P(ClockOffsetOfSessions, IsKnownOnBothSidesWithinItsUncertainty) {
-  const auto& [one, other] = GetParam();
+  const auto& one = GetParam().first;
+  const auto& other = GetParam().second;
   const auto publisher = Publishing(one);
   const auto subscriber = Subscribing(other, *publisher);
   ASSERT_TRUE(Await([&] { return Holds(*publisher, *subscriber, one, other).has_value(); }));

@@ -18,7 +18,7 @@ namespace {
 
 class TwoSessions : public testing::Test {
  protected:
-  const Bus bus;
+  const Bus bus{};
   Robot talker{bus.Publishing("a")};
   Robot listener{bus.Subscribing("a")};
 };

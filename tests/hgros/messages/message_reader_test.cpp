@@ -162,7 +162,7 @@ class EachType : public testing::TestWithParam<int> {
             Snapshot::descriptor()};
   }
 
-  const AllKinds kinds_;
+  const AllKinds kinds_{};
 };
 
 TEST_P(EachType, ReadsBackWhatEchoWrites) {

@@ -223,14 +223,14 @@ TEST_F(HostilePeer, InvalidSegmentsEndThePair) {
     peer.AddSegment(1, segment());
     peer.AddSegment(1, segment());
   });
-  for (const auto& [offset, size] :
+  for (const auto& part :
        {std::pair{std::uint64_t{0}, std::uint64_t{8193}}, {8000, 193}, {~0ULL, 1}, {8192, ~0ULL}, {~0ULL - 5, 10}}) {
     ExpectLie("outside of its memory", [&](FalsePeer& peer) {
       peer.AddSegment(1, segment());
       Descriptor next = peer.NextMessage();
       next.segment = 1;
-      next.offset_bytes = offset;
-      next.size_bytes = size;
+      next.offset_bytes = part.first;
+      next.size_bytes = part.second;
       peer.Write(next);
     });
   }

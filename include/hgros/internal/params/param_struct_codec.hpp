@@ -16,6 +16,8 @@ struct ParamField {
   const char* name;
   Member T::*member;
 };
+template <class T, class Member>
+ParamField(const char*, Member T::*) -> ParamField<T, Member>;  // Clang has it by itself from version 17.
 
 namespace params_detail {
 

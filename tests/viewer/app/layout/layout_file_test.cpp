@@ -117,7 +117,7 @@ TEST(LayoutFile, ReportsLineAndFixOfEachError) {
       {"- a\n- b", {"A layout must be a map"}},
   };
   for (const auto& [text, words] : cases) {
-    const std::string fault = hgros::test::ErrorOf([&] { (void)ParseLayout(text, "layout.yaml"); });
+    const std::string fault = hgros::test::ErrorOf([&text = text] { (void)ParseLayout(text, "layout.yaml"); });
     EXPECT_TRUE(fault.starts_with("layout.yaml:")) << fault;
     for (const char* const word : words) EXPECT_NE(fault.find(word), std::string::npos) << text << "\n" << fault;
   }
