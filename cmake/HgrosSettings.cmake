@@ -30,9 +30,16 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(hgros_warnings INTERFACE -Wno-restrict)
 endif()
 
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  target_compile_options(hgros_warnings INTERFACE -Wno-ambiguous-reversed-operator)  # Iterators of RapidJSON 1.1.
+endif()
+
 if(HGROS_SANITIZE)
   add_compile_options(-fsanitize=${HGROS_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${HGROS_SANITIZE})
+endif()
+if(HGROS_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  add_compile_definitions(__SANITIZE_ADDRESS__)  # As GCC defines it.
 endif()
 if(HGROS_SANITIZE MATCHES "undefined")
   # oneTBB 2021.8 ends a flow-graph task's life and then casts its address to free it (_flow_graph_impl.h, finalize).
@@ -44,7 +51,7 @@ if(HGROS_SANITIZE MATCHES "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 if(HGROS_BUILD_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-    message(FATAL_ERROR "The fuzz targets need clang: libFuzzer comes with it. Use `./dev fuzz` or the preset `fuzz`.")
+    message(FATAL_ERROR "The fuzz targets need clang: libFuzzer comes with it. Use `./dev fuzz` or the preset `asan`.")
   endif()
   # The coverage that guides libFuzzer must be in the library, not only in the target.
   add_compile_options(-fsanitize=fuzzer-no-link)

@@ -1,7 +1,12 @@
 include(CheckLinkerFlag)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)  # Many tests in the folders below use it.
-# Part of GNU binutils until 2.43; links a test in less than half of the time that GNU ld takes.
-check_linker_flag(CXX -fuse-ld=gold HGROS_GOLD_LINKS)
+# These link a test in less than half of the time that GNU ld takes. gold, part of GNU binutils until 2.43, warns about
+# what clang's AddressSanitizer exports.
+set(HGROS_LINKER gold)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  set(HGROS_LINKER lld)
+endif()
+check_linker_flag(CXX -fuse-ld=${HGROS_LINKER} HGROS_LINKS_FAST)
 # Programs of another processor are emulated, which takes several times as long.
 set(HGROS_EMULATED ${CMAKE_CROSSCOMPILING})
 # How long a test may take, in seconds: at least three times as long as anything that it waits for (kPatience in
@@ -113,8 +118,11 @@ function(hgros_test)
   elseif(NOT HGROS_SANITIZE STREQUAL "thread")
     target_compile_options(${ARG_NAME} PRIVATE -O0)
   endif()
-  if(HGROS_GOLD_LINKS)
-    target_link_options(${ARG_NAME} PRIVATE -fuse-ld=gold)
+  if(HGROS_BUILD_FUZZ)
+    target_compile_options(${ARG_NAME} PRIVATE -fno-sanitize=fuzzer-no-link)  # Only the library's coverage guides it.
+  endif()
+  if(HGROS_LINKS_FAST)
+    target_link_options(${ARG_NAME} PRIVATE -fuse-ld=${HGROS_LINKER})
   endif()
   if(HGROS_EMULATED)
     target_compile_definitions(${ARG_NAME} PRIVATE HGROS_EMULATED)

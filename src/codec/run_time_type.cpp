@@ -198,7 +198,9 @@ const google::protobuf::Descriptor* DescriptorOf(const TypeInfo& type) {
 
 Payload OwnedPayload(const Payload& payload) {
   if (payload.owner != nullptr) return payload;
-  auto copy = std::make_shared<std::string>(AsText(payload.bytes));
+  auto copy = std::make_shared<std::string>();
+  copy->reserve(payload.bytes.size());  // Throws if that is no possible size.
+  copy->append(AsText(payload.bytes));
   const Bytes bytes = AsBytes(*copy);
   return {bytes, std::move(copy)};
 }

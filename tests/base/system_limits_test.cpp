@@ -12,7 +12,7 @@ namespace hgros::test {
 namespace {
 
 TEST(SystemLimits, CountsFreeDescriptors) {
-  for (const std::size_t left : {0, 1, 5}) {
+  for (const std::size_t left : {0U, 1U, 5U}) {
     const NoDescriptors few(left);
     EXPECT_EQ(FreeDescriptors(100), left);
     EXPECT_EQ(FreeDescriptors(1), left == 0 ? 0 : 1);

@@ -163,7 +163,7 @@ TEST_F(TimerQueueTest, RunsThousandsOfTimers) {
         queue_.Every(std::chrono::milliseconds(1 + i % 10), [&](const Tick& t) { turns += 1 + t.missed; }));
   }
   std::uint64_t expected = 0;
-  for (int i = 0; i < kTimers; ++i) expected += 20U / (1U + i % 10);
+  for (unsigned i = 0; i < kTimers; ++i) expected += 20U / (1U + i % 10);
   for (int i = 0; i < 20; ++i) Step(1ms);
   EXPECT_EQ(turns, expected);
 }

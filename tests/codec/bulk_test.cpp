@@ -54,7 +54,7 @@ TEST(Bulk, HasNameAndSchemaOfTheOrdinaryMessage) {
 }
 
 TEST(Bulk, IsReadAndWrittenByteForByteLikeTheGeneratedClass) {
-  for (const std::size_t size : {0, 1, 127, 128, 16384, 100'000}) {
+  for (const std::size_t size : {0U, 1U, 127U, 128U, 16384U, 100'000U}) {
     const std::shared_ptr<const BulkCloud> cloud = Filled(size);
     const Payload wire = EncodeAny(cloud);
     const PointCloud plain = Parsed(wire.bytes);
@@ -120,7 +120,7 @@ TEST(Bulk, CanBeWrittenByManyThreadsAtOnce) {
 }
 
 TEST(Bulk, AlignsItsBytesForAnyNumber) {
-  for (const std::size_t size : {1, 1000, 1'000'000}) {
+  for (const std::size_t size : {1U, 1000U, 1'000'000U}) {
     BulkCloud cloud(size);
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(cloud.writable().data()) % 64, 0U);
     EXPECT_EQ(cloud.writable().size(), size);

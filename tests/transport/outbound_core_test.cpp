@@ -41,7 +41,7 @@ TEST_F(OutboundCoreTest, SaysThatASubscriberIsBackIfItsNextLinkBeginsAtOnce) {
 TEST_F(OutboundCoreTest, CountsAllThatASubscriberMissesThatWasBackForNoMessage) {
   OutboundCore::CountSubscriber(core, eye, 1, actions);
   core->NoteCommit(log, 10);
-  for (const std::uint64_t unconfirmed : {2, 3}) {
+  for (const std::uint64_t unconfirmed : {2U, 3U}) {
     OutboundCore::TellMissed(core, log, eye, "Session 1 (eye)", unconfirmed, actions);
     OutboundCore::CountSubscriber(core, eye, -1, actions);
     core->NoteCommit(log, unconfirmed == 2 ? 20 : 30);

@@ -138,13 +138,12 @@ void ImagePanel::DrawImage(const Shown& shown) {
   list.AddImage(texture, from, {from.x + width * scale, from.y + height * scale});
   list.PopClipRect();
 
-  const auto x = static_cast<std::ptrdiff_t>(std::floor((io.MousePos.x - from.x) / scale));
-  const auto y = static_cast<std::ptrdiff_t>(std::floor((io.MousePos.y - from.y) / scale));
-  const bool inside = hovered && x >= 0 && y >= 0 && x < static_cast<std::ptrdiff_t>(picture.width) &&
-                      y < static_cast<std::ptrdiff_t>(picture.height);
-  if (inside) {
-    const std::string value = shown.entry->display->PixelText(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
-    ImGui::Text("%td, %td: %s", x, y, value.c_str());
+  const float right = (io.MousePos.x - from.x) / scale;
+  const float down = (io.MousePos.y - from.y) / scale;
+  if (hovered && right >= 0 && down >= 0 && right < width && down < height) {
+    const auto x = static_cast<std::size_t>(right);
+    const auto y = static_cast<std::size_t>(down);
+    ImGui::Text("%zu, %zu: %s", x, y, shown.entry->display->PixelText(x, y).c_str());
   } else {
     ImGui::TextDisabled("%zu x %zu %s", picture.width, picture.height, picture.encoding.c_str());
   }

@@ -168,7 +168,7 @@ TEST_F(Registry, RefusesAnnouncementsThatCannotBeRead) {
   one.own.session = {};
   EXPECT_THROW(one.Announce(), Error);
   one.own = good;
-  one.own.channels.resize(20'000, {std::string(200, 'c'), "Type", Encoding::kPlain, 1, true, true, true});
+  one.own.channels.resize(20'000, {{std::string(200, 'c'), "Type", Encoding::kPlain, 1, true, true, true}, {}});
   EXPECT_THROW(one.Announce(), Error);
   one.own = good;
   one.Announce();
@@ -265,7 +265,7 @@ TEST_F(Registry, AgreesWithAModelUnderRandomChanges) {
       case 1: one = std::make_unique<Registered>(options); break;
       default:
         if (one == nullptr) one = std::make_unique<Registered>(options);
-        one->own.channels.resize(random() % 3, {"c", "T", Encoding::kPlain, random(), true, false, false});
+        one->own.channels.resize(random() % 3, {{"c", "T", Encoding::kPlain, random(), true, false, false}, {}});
         one->Announce();
     }
   }

@@ -98,7 +98,7 @@ TEST(ShmPairSocket, BlamesAPeerThatSendsMoreDescriptorsThanAFrameMayHave) {
 TEST(ShmPairSocket, TellsThatThisProcessHasNoRoomForDescriptors) {
   const Ends ends;
   PairSocket::Frame frame;
-  for (const std::size_t left : {0, 2}) {
+  for (const std::size_t left : {0U, 2U}) {
     SendDescriptors(ends.raw, 3);
     const test::NoDescriptors few(left);
     EXPECT_EQ(ends.there->Receive(frame), PairSocket::Read::kFrame);

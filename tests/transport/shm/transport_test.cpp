@@ -226,7 +226,7 @@ TEST_F(ShmTransportTest, MessagesOfASegmentThatCannotBeReceivedComeOverTheSocket
   std::vector<Block> loans;
   const auto loan = [&] {
     for (int i = 0; i < kMessages; ++i) {
-      auto block = publisher->Loan(100'000 + i);
+      auto block = publisher->Loan(100'000 + static_cast<std::size_t>(i));
       ASSERT_TRUE(block);
       std::memset(block->writable().data(), 'a' + i, block->size());
       loans.push_back(std::move(*block));
