@@ -51,7 +51,7 @@ if(HGROS_SANITIZE MATCHES "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 if(HGROS_BUILD_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-    message(FATAL_ERROR "The fuzz targets need clang: libFuzzer comes with it. Use `./dev fuzz` or the preset `asan`.")
+    message(FATAL_ERROR "The fuzz targets need clang: libFuzzer comes with it. Use the preset `asan`, in a folder that no other compiler has used.")
   endif()
   # The coverage that guides libFuzzer must be in the library, not only in the target.
   add_compile_options(-fsanitize=fuzzer-no-link)

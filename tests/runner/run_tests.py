@@ -4,7 +4,7 @@ not fail the run. Three failures of one test do.
 
 A failure counts at once, without repeating, where load cannot be the cause: a process died by a signal, a sanitizer
 reported something, or the test is labelled `pure`. So do more than eight failures. --strict never repeats. LeakSanitizer
-of GCC 12 sometimes crashes itself while a thread ends ("Tracer caught signal 11"): that is no report, so the test repeats.
+sometimes crashes itself while a thread ends ("Tracer caught signal 11"): that is no report, so the test repeats.
 """
 
 import json

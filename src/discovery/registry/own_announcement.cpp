@@ -52,8 +52,8 @@ void OwnAnnouncement::WriteFirst(const Announcement& own, std::string content) {
     if (announced) content_ = std::move(content);
   };
   note(own.session, false);
-  file_.emplace(folder_.path(), own.session);
   try {
+    file_.emplace(folder_.path(), own.session);
     Write(content);
   } catch (...) {
     file_.reset();
@@ -82,6 +82,7 @@ void OwnAnnouncement::WriteDue() {
     if (!announced_ || !next_write_ || *next_write_ > Clock::now()) return;
     content = content_;
     next_write_.reset();
+    last_write_ = Clock::now();  // Changes wait from now on.
   }
   try {
     Write(content);

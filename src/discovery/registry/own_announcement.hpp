@@ -14,7 +14,7 @@
 namespace hgros::discovery {
 
 /// This session's announcement in a registry's folder: the first is written at once, later changes in bursts.
-/// Thread-safe. Beside a busy disk, a file may take seconds to write. Meanwhile only the writing thread waits.
+/// Thread-safe. Beside a busy disk, a file may take seconds to write. Those who announce changes do not wait for it.
 class OwnAnnouncement {
  public:
   /// `folder` and `log` outlive it.
@@ -48,7 +48,7 @@ class OwnAnnouncement {
 
   mutable std::mutex mutex_;  // Guards all members below. Not held while a file is written.
   bool announced_ = false;
-  SessionId session_;  // Set before the file is there.
+  SessionId session_;  // Set before the file is there. Changed only with both locks held.
   std::string content_;
   std::optional<std::chrono::steady_clock::time_point> next_write_;
   std::chrono::steady_clock::time_point last_write_;
