@@ -204,8 +204,8 @@ TEST(LeaderPool, VisitorReadsTasksAndPoolThreadsRunThem) {
 
 TEST(LeaderPool, TasksReadByAVisitorRunWhileOthersBlock) {
   SilentQueue queue;
-  Pool pool(queue);
   test::Door door;
+  Pool pool(queue);
   std::atomic<int> blocked{0};
   std::atomic<bool> ran{false};
   for (int i = 0; i < 4; ++i) {
@@ -370,8 +370,8 @@ TEST(LeaderPool, StopEndsReceivingHereAlsoInItsOwnTask) {
 
 TEST(LeaderPool, AThreadThatReceivesHereRunsWhatAVisitorHasHandedOver) {
   QueueForFirst queue;
-  Pool pool(queue);
   test::Door door;
+  Pool pool(queue);
   std::atomic<int> ran{0};
   for (int i = 0; i < 2; ++i) {
     queue.Put([&] {
@@ -411,9 +411,9 @@ class HeldUpQueue : public QueueForFirst {
 
 TEST(LeaderPool, AThreadThatReceivesHereHasItsTurnAfterTheLastThreadOfThePool) {
   HeldUpQueue queue;
+  test::Door busy;
   Pool pool(queue);
   ASSERT_TRUE(Eventually([&] { return queue.waiting == 2; }));
-  test::Door busy;
   std::atomic<bool> began{false};
   queue.Put([&] {
     began = true;
