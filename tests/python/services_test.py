@@ -178,8 +178,9 @@ class Services(RobotTest):
         with self.beside(lambda: self.call(client, "slow", Vector2(x=1))):
             self.assertTrue(begun.wait(DEADLINE_S))
             asyncio.run(give_up())
-            goes_on.set()
-        self.call(client, "slow", Vector2(x=3))
+            with self.beside(lambda: self.call(client, "slow", Vector2(x=3))):  # It comes after the cancellation.
+                wait_until(lambda: server.snapshot().channel("hgros/serve/slow").nodes[0].received == 3)
+                goes_on.set()
         self.assertEqual(handled, [1, 3])
 
     def test_session_closes_while_a_handler_runs(self):

@@ -52,6 +52,8 @@ TEST_P(RawPublishing, AnnouncesItsSchemaAndReachesTypedAndRawSubscribersOfAnothe
   ASSERT_NE(schema, nullptr);
   EXPECT_EQ(*schema, SchemaOf(TypeOf<Vector>())) << "with the fingerprint of the descriptor set";
   EXPECT_EQ(*schema, *publish.schema());
+  const auto forgotten = [&] { return !robot->session->WaitForSubscribers("v", 1, std::chrono::nanoseconds(0)); };
+  ASSERT_TRUE(Await(forgotten)) << "what asked for the schema is no longer a subscriber";
   Kept<Vector> typed;
   Kept<RawMessage> raw;
   const auto one = observer->session->FromAny<Vector>("v", kSerial, std::ref(typed), Everything());
