@@ -154,7 +154,7 @@ TEST(FailedAllocations, OfATraceMixUpNoNames) {
       info.key = 1;
       recorder.AddPublish(names[1], {}, info);
     }
-    for (const std::uint64_t key : {1, 2}) {
+    for (const std::uint64_t key : {1U, 2U}) {
       info.key = key;
       recorder.AddPublish(names[key], {}, info);
     }

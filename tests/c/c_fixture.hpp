@@ -123,7 +123,7 @@ inline bool AwaitServed(const SessionHandle& session, const std::string& service
 }
 
 inline SchemaHandle TextSchema(const char* name = "text") {
-  return Opened<hgros_schema_free>(hgros_schema_create, name, HGROS_ENCODING_CUSTOM, 0, nullptr, 0);
+  return Opened<hgros_schema_free>(hgros_schema_create, name, HGROS_ENCODING_CUSTOM, 0U, nullptr, 0U);
 }
 
 inline PublisherHandle Publisher(const SessionHandle& session, const char* channel, const SchemaHandle& schema,

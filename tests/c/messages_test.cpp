@@ -209,7 +209,7 @@ TEST_F(CMessages, TypesOfTheLibraryAreKnownByTheirNames) {
   const SchemaHandle known(schema);
   std::size_t size = 0;
   ASSERT_NE(hgros_schema_descriptor_set(schema, &size), nullptr);
-  const auto same = Opened<hgros_schema_free>(hgros_schema_create, "foxglove.Log", HGROS_ENCODING_PROTOBUF, 0,
+  const auto same = Opened<hgros_schema_free>(hgros_schema_create, "foxglove.Log", HGROS_ENCODING_PROTOBUF, 0U,
                                               hgros_schema_descriptor_set(schema, nullptr), size);
   EXPECT_NE(hgros_schema_fingerprint(same.get()), 0U);
   EXPECT_EQ(hgros_schema_fingerprint(same.get()), hgros_schema_fingerprint(schema));

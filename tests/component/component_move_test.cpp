@@ -191,7 +191,7 @@ TEST_F(AdderMoveTest, HandlesWhatWasOvertakenInTheOldPlaceOnce) {
   overtaken.info.number -= 2;
   overtaken.info.id.sequence -= 2;
   overtaken.message = RawMessage{handed.front().message.schema, {}};
-  for (const std::size_t i : {1, 0, 3, 2}) arriving.Hand(handed.at(i));
+  for (const std::size_t i : {1U, 0U, 3U, 2U}) arriving.Hand(handed.at(i));
   EXPECT_TRUE(Await([&] { return seen().size() == 9; }));
   EXPECT_THAT(seen(), UnorderedElementsAreArray(UpTo(9)));
   arriving.Hand(handed.front());

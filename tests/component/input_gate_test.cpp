@@ -46,11 +46,11 @@ class InputGateTest : public testing::TestWithParam<bool> {
 };
 
 TEST_P(InputGateTest, KnowsWhichMessagesWereOvertaken) {
-  for (const std::uint64_t number : {1, 2, 6, 4}) Take(number);
+  for (const std::uint64_t number : {1U, 2U, 6U, 4U}) Take(number);
   const auto positions = gate_.Positions();
   ASSERT_EQ(positions.size(), 1U);
   EXPECT_EQ(positions.front().last.number, 6U);
-  for (const std::uint64_t number : {1, 2, 3, 4, 5, 6, 7}) {
+  for (const std::uint64_t number : {1U, 2U, 3U, 4U, 5U, 6U, 7U}) {
     EXPECT_EQ(positions.front().gaps.Has(number), number == 3 || number == 5) << number;
   }
 }
@@ -58,10 +58,10 @@ TEST_P(InputGateTest, KnowsWhichMessagesWereOvertaken) {
 // Several threads bring messages of a concurrent input, so a late one can come behind a newer one.
 TEST_P(InputGateTest, HandlesEachMessageOnceAfterAMove) {
   gate_.Hold([] {}, InputGate::Full::kWaits);
-  for (const std::uint64_t number : {1, 2, 3, 5}) gate_.LetPass(Message(number));  // From the other place.
+  for (const std::uint64_t number : {1U, 2U, 3U, 5U}) gate_.LetPass(Message(number));  // From the other place.
   gate_.Pass([](const InputGate::Waiting&) {}, true);
   handled_.clear();
-  for (const std::uint64_t number : {7, 5, 4, 3, 6}) Take(number);
+  for (const std::uint64_t number : {7U, 5U, 4U, 3U, 6U}) Take(number);
   EXPECT_THAT(handled_, ElementsAre(7, 4, 6));
   gate_.Hold([] {}, InputGate::Full::kWaits);  // It moves on.
   Take(2);
@@ -137,7 +137,7 @@ TEST_P(SlowInputGate, WorksOffWhatHasWaitedByItself) {
     std::vector<int> newest = Counting(sent - static_cast<int>(GetParam().depth()), sent);
     newest.insert(newest.begin(), 0);  // It had begun.
     EXPECT_EQ(handled(), newest);
-    EXPECT_EQ(subscription_.stats().dropped, sent - newest.size());
+    EXPECT_EQ(subscription_.stats().dropped, static_cast<std::size_t>(sent) - newest.size());
   }
 }
 

@@ -51,7 +51,7 @@ TEST_F(MovingEdgeOwners, OneThatASecondSessionSetsNowAndThenIsShared) {
 }
 
 TEST_F(MovingEdgeOwners, OneThatMovesToAnotherSessionAndBackIsNotShared) {
-  for (int move = 0; move < 10; ++move) {
+  for (std::uint32_t move = 0; move < 10; ++move) {
     for (int i = 0; i < 10; ++i) EXPECT_FALSE(Set(1 + move % 2));
   }
   for (int i = 0; i < 10; ++i) {
