@@ -254,7 +254,7 @@ final class QueuesTest {
       executor.shutdown();
       Subscription<StringValue> queue = session.subscribe("words", Expect.TEXT).onMessage(executor, message -> { });
       Waiting next = new Waiting(() -> {
-        while (queue.next() != null) { // The message is for one of the three.
+        while (queue.next() != null) { // Each message is for one of the three.
         }
       });
       Waiting take = new Waiting(() -> {
@@ -262,10 +262,13 @@ final class QueuesTest {
           queue.raw().take().close();
         }
       });
-      session.advertise("words", Expect.TEXT).publish(text(1));
+      Publisher<StringValue> publisher = session.advertise("words", Expect.TEXT);
+      Expect.eventuallyFails("the subscription ends", Code.CLOSED, () -> {
+        publisher.publish(text(1));
+        queue.stats();
+      });
       next.endsWith(Code.CLOSED);
       take.endsWith(Code.CLOSED);
-      Expect.eventuallyFails("the subscription ends", Code.CLOSED, queue::stats);
       Expect.eventually("the log says why", () -> lines.indexOf("takes no task") >= 0);
     }
   }
