@@ -40,6 +40,8 @@ if(HGROS_SANITIZE)
 endif()
 if(HGROS_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   add_compile_definitions(__SANITIZE_ADDRESS__)  # As GCC defines it.
+  # Programs in C need what checks the library's C++.
+  add_link_options("$<$<LINK_LANGUAGE:C>:SHELL:-fsanitize-link-c++-runtime -Wl,--no-as-needed -lstdc++>")
 endif()
 if(HGROS_SANITIZE MATCHES "undefined")
   # oneTBB 2021.8 ends a flow-graph task's life and then casts its address to free it (_flow_graph_impl.h, finalize).
