@@ -83,10 +83,10 @@ void ConnectionWatch::Tick() {
 
 void ConnectionWatch::StopIfIpcIsInDanger() {
   if (listening_ != Listening::kOpen || !bound_.starts_with("ipc:")) return;
-  const std::size_t free = FreeDescriptors(kSpareDescriptors);
-  if (free >= kSpareDescriptors) return;
-  const std::string why =
-      "because only " + std::to_string(free) + " more files can be opened. Raise the limit of open files (ulimit -n).";
+  if (FreeDescriptors(kSpareDescriptors) >= kSpareDescriptors) return;
+  // The same text each time, so that it is said once.
+  const std::string why = "because fewer than " + std::to_string(kSpareDescriptors) +
+                          " more files can be opened. Raise the limit of open files (ulimit -n).";
   if (!HidePath(bound_)) {
     Unbind(why);
     return;
