@@ -51,6 +51,35 @@ TEST(Executor, DedicatedRunsOnItsOwnThreadOnTheRequestedCpus) {
   EXPECT_TRUE(CPU_ISSET(0, &allowed));
 }
 
+TEST(Executor, TheWorkerThatBusyNodesShareRunsAnotherNodeAfterOneCallbackOfEach) {
+  for (const int busy : {1, 3}) {
+    DataGraph graph({.threads = 1, .overrides = {}, .publisher = {}});
+    CountingDoor door;
+    std::atomic<int> begun{0};
+    std::atomic<int> begun_before{-1};
+    std::vector<Subscription> subscriptions;
+    for (int i = 0; i < busy; ++i) {
+      const std::string channel = "busy" + std::to_string(i);
+      subscriptions.push_back(graph.FromGraph<int>(
+          channel, Invoke::kSerial,
+          [&](const int&) {
+            door.Pass();
+            ++begun;
+            Linger(std::chrono::milliseconds(2));  // Longer than a turn.
+          },
+          Options(Executor::Tbb(), Queue::KeepAll(100))));
+      for (int j = 0; j < 100; ++j) (void)graph.ToGraph(channel, std::make_unique<int>(j));
+    }
+    subscriptions.push_back(graph.FromGraph<int>(
+        "control", Invoke::kSerial, [&](const int&) { begun_before = begun.load(); }, Options(Executor::Tbb())));
+    ASSERT_TRUE(door.AwaitOne());
+    (void)graph.ToGraph("control", std::make_unique<int>(0));
+    door.Open();
+    EXPECT_TRUE(Await([&] { return begun_before >= 0; }));
+    EXPECT_LE(begun_before, busy + 1);
+  }
+}
+
 TEST(Executor, LogsRefusedSchedulingAndRunsWithoutIt) {
   Heard heard;
   DataGraph graph({}, heard.MakeLog());
