@@ -1,8 +1,38 @@
+# The shared libraries of this build among the given ones, and among those that these link.
+function(_hgros_own_libraries result)
+  set(own)
+  foreach(library IN LISTS ARGN)
+    if(NOT TARGET ${library} OR library MATCHES "^hgros::")
+      continue()
+    endif()
+    get_target_property(aliased ${library} ALIASED_TARGET)
+    if(aliased)
+      set(library ${aliased})
+    endif()
+    get_target_property(imported ${library} IMPORTED)
+    get_target_property(kind ${library} TYPE)
+    if(imported)
+      continue()
+    endif()
+    if(kind STREQUAL "SHARED_LIBRARY")
+      list(APPEND own ${library})
+    endif()
+    get_target_property(links ${library} LINK_LIBRARIES)
+    _hgros_own_libraries(below ${links})
+    list(APPEND own ${below})
+  endforeach()
+  list(REMOVE_DUPLICATES own)
+  set(${result} ${own} PARENT_SCOPE)
+endfunction()
+
 # hgros_add_components(TARGET SOURCES file.cpp ... COMPONENTS package/Name ... [LINK library ...] [NO_INSTALL])
 #
 # Creates a shared library TARGET with components: classes that the sources name with HGROS_COMPONENT(Class,
 # "package/Name"). COMPONENTS lists these names. After linking, `hgros components` checks that the library has each of them
 # and can make it.
+#
+# Without NO_INSTALL it is installed with the shared libraries of this build that it links, such as one of
+# hgros_add_messages, in one folder. The check is repeated there.
 #
 # Writes a manifest, by which programs find the library: share/hgros/components/TARGET.yaml in the build folder, with the
 # path of the library there, and, without NO_INSTALL, in the install prefix. Programs find the first one if its folder is in HGROS_COMPONENT_PATH.
@@ -31,7 +61,9 @@ function(hgros_add_components target)
   target_link_libraries(${target} PRIVATE hgros::hgros ${arg_LINK})
 
   # A program of another architecture cannot run here; without the command there is nothing to check with.
+  set(checks OFF)
   if(TARGET hgros::command AND NOT CMAKE_CROSSCOMPILING)
+    set(checks ON)
     list(TRANSFORM arg_COMPONENTS PREPEND "--has;" OUTPUT_VARIABLE wanted)
     add_custom_command(TARGET ${target} POST_BUILD
       COMMAND hgros::command components --library $<TARGET_FILE:${target}> ${wanted}
@@ -51,6 +83,15 @@ function(hgros_add_components target)
   file(RELATIVE_PATH to_libraries ${CMAKE_INSTALL_FULL_DATADIR}/hgros/components ${CMAKE_INSTALL_FULL_LIBDIR})
   file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${target}_installed.yaml
     CONTENT "library: \"${to_libraries}/$<TARGET_FILE_NAME:${target}>\"\ncomponents: [${names}]\n")
-  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  _hgros_own_libraries(own ${arg_LINK})
+  set_property(TARGET ${target} ${own} APPEND PROPERTY INSTALL_RPATH "$ORIGIN")
+  set_property(TARGET ${target} ${own} PROPERTY INSTALL_RPATH_USE_LINK_PATH ON)
+  install(TARGETS ${target} ${own} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${target}_installed.yaml DESTINATION ${folder} RENAME ${target}.yaml)
+  if(checks)
+    list(JOIN wanted " " words)
+    install(CODE "execute_process(COMMAND \"$<TARGET_FILE:hgros::command>\" components
+      --library \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:${target}>\" ${words}
+      COMMAND_ERROR_IS_FATAL ANY)")
+  endif()
 endfunction()

@@ -59,7 +59,7 @@ run(${CMAKE_COMMAND} --install ${build} --prefix ${robot})
 foreach(folder IN ITEMS ${build}/share/hgros/components ${robot}/share/hgros/components)
   execute_process(COMMAND ${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${folder} ${prefix}/bin/hgros components words/Counter
     OUTPUT_VARIABLE shown COMMAND_ERROR_IS_FATAL ANY)
-  if(NOT shown MATCHES "foxglove\\.KeyValuePair")
+  if(NOT shown MATCHES "words\\.Word")
     message(FATAL_ERROR "hgros components shows of the component in ${folder}: ${shown}")
   endif()
 endforeach()

@@ -1,9 +1,10 @@
-#include <foxglove/KeyValuePair.pb.h>
+#include <word.pb.h>
+
 #include <hgros/component/component.hpp>
 
 struct Counter {
   explicit Counter(hgros::Context& context) {
-    context.FromAny<foxglove::KeyValuePair>("word", hgros::Invoke::kSerial, [](const foxglove::KeyValuePair&) {});
+    context.FromAny<words::Word>("word", hgros::Invoke::kSerial, [](const words::Word&) {});
   }
 };
 HGROS_COMPONENT(Counter, "words/Counter")
