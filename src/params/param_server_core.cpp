@@ -30,6 +30,11 @@ void RequireThere(const ParamNodePtr& root, const ParamPath& path, bool removes)
       removes ? "" : "To create it, pass IfMissing::kCreate.");
 }
 
+// Whether it comes from a command line or the environment; `text` is the argument then.
+bool IsArgument(const ParamNode& node) {
+  return node.origin.source != nullptr && node.origin.line == 0 && !node.origin.at_run_time;
+}
+
 }  // namespace
 
 ParamServer::Core::Core(ParamSources sources, LogSink log)
@@ -61,11 +66,10 @@ ParamNodePtr ParamServer::Core::ReadSources(std::vector<ParamOverride>* unknown)
   }
   const ParamNodePtr in_files = root;
   for (const ParamOverride& said : sources_.overrides) {
-    const ParamOrigin origin{std::make_shared<const std::string>(said.said)};
     const ParamPath path = ParamPath::Parse(said.path);
     RequireFree(path);
     if (unknown != nullptr && param_tree::Find(in_files, path) == nullptr) unknown->push_back(said);
-    root = param_tree::With(root, path, param_tree::FromValue(said.value, origin));
+    root = param_tree::With(root, path, param_tree::FromArgument(said.value, said.said));
   }
   return root;
 }
@@ -117,7 +121,13 @@ ParamNodePtr ParamServer::Core::Declare(DeclaredParams::Entry entry) {
                      "Declare it in one place.");
   }
   ParamNodePtr root = root_;
-  if (param_tree::Find(root, entry.path) == nullptr) root = param_tree::With(root, entry.path, entry.fallback);
+  if (const ParamNodePtr given = param_tree::Find(root, entry.path); given == nullptr) {
+    root = param_tree::With(root, entry.path, entry.fallback);
+  } else if (IsArgument(*given) && !given->quoted && DeclaredParams::TypeOf(entry) == "text") {
+    ParamNode text = ParamNode::Text(given->text, true);
+    text.origin = given->origin;
+    root = param_tree::With(root, entry.path, std::make_shared<const ParamNode>(std::move(text)));
+  }
   DeclaredParams::RequireGood(entry, ParamView(root).At(entry.path));
   declared_.Add(std::move(entry));
   root_ = std::move(root);

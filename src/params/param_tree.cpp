@@ -150,6 +150,11 @@ ParamNodePtr FromValue(std::string_view yaml, const ParamOrigin& origin) {
   return FromYaml(origin, false).Make(document.root());
 }
 
+ParamNodePtr FromArgument(const std::string& argument, const std::string& said) {
+  const yaml::Document document = yaml::Document::ParseArgument(argument, said);
+  return FromYaml({std::make_shared<const std::string>(said)}, false).Make(document.root());
+}
+
 ParamNodePtr WithOrigin(const ParamNode& node, const ParamOrigin& origin) {
   auto copy = std::make_shared<ParamNode>(node);
   copy->origin = origin;

@@ -22,6 +22,8 @@ namespace hgros::param_tree {
 [[nodiscard]] ParamNodePtr FromNode(const yaml::Node& node);
 // The tree of a single value, such as one from the command line. `origin` is the origin of every node.
 [[nodiscard]] ParamNodePtr FromValue(std::string_view yaml, const ParamOrigin& origin);
+// Of a command line or the environment.
+[[nodiscard]] ParamNodePtr FromArgument(const std::string& argument, const std::string& said);
 // The same value with `origin` as the origin of every node.
 [[nodiscard]] ParamNodePtr WithOrigin(const ParamNode& node, const ParamOrigin& origin);
 

@@ -71,7 +71,7 @@ std::vector<std::string> KeysOf(const ParamOverride& one, const yaml::Document& 
 yaml::Document WithOverrides(yaml::Document document, const std::vector<ParamOverride>& overrides) {
   for (const ParamOverride& one : overrides) {
     const std::vector<std::string> keys = KeysOf(one, document);
-    document = yaml::Document::Merged(document, yaml::Document::ParseValue(one.value, one.said).Below(keys));
+    document = yaml::Document::Merged(document, yaml::Document::ParseArgument(one.value, one.said).Below(keys));
   }
   return document;
 }

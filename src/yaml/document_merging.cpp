@@ -88,6 +88,18 @@ class Assembly {
   std::size_t read_ = 0;
 };
 
+std::string InSingleQuotes(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted.append(c == '\'' ? 2 : 1, c);
+  return quoted + "'";
+}
+
+std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kSpaces);
+  return begin == std::string_view::npos ? "" : text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
+}
+
 }  // namespace
 
 class DocumentMerger {
@@ -195,6 +207,30 @@ Document Document::ParseValue(std::string_view text, std::string name) {
   }();
   for (Node& node : document.own_->nodes) node.line = node.column = 0;
   return document;
+}
+
+Document Document::ParseArgument(std::string_view argument, std::string name) {
+  const auto as_text = [&] {
+    // In quotes: characters that no YAML may have are still refused.
+    Document document = ParseValue(InSingleQuotes(argument), name);
+    document.own_->nodes.front().text = argument;
+    return document;
+  };
+  const std::string_view trimmed = Trimmed(argument);
+  if (trimmed.empty() || trimmed.starts_with('#')) return as_text();
+  try {
+    Document document = ParseValue(argument, name);
+    const auto root = std::ranges::find(document.own_->nodes, document.root_, [](const Node& node) { return &node; });
+    if (root->kind != Node::Kind::kText) {
+      root->text = argument;
+    } else if (!root->quoted && root->text != trimmed) {
+      return as_text();
+    }
+    return document;
+  } catch (const ConfigError&) {
+    if (std::string_view("[{\"'").find(trimmed.front()) != std::string_view::npos) throw;  // It is meant as YAML.
+    return as_text();
+  }
 }
 
 }  // namespace hgros::yaml

@@ -151,7 +151,8 @@ TEST(RobotFileTest, OverridesBeginWithAComponentOrASection) {
   const RobotFile robot = Read(kRobot, {{"mapper.params.cell_size_m", "0.1", "--set mapper.params.cell_size_m"},
                                         {"laser.remap.scan", "rear/scan", "--set laser.remap.scan"},
                                         {"processes.front.nice", "3", "--set processes.front.nice"},
-                                        {"discovery.domain", "other", "--set discovery.domain"}});
+                                        {"discovery.domain", "other", "--set discovery.domain"},
+                                        {"mapper.params.color", "#ff0000", "--set mapper.params.color"}});
   EXPECT_EQ(ParamView(robot.components[1].setup.params.section).Get<double>("cell_size_m"), 0.1);
   EXPECT_EQ(robot.components[1].setup.params.section->Find("cell_size_m")->origin.ToString(),
             "--set mapper.params.cell_size_m");
@@ -178,7 +179,7 @@ TEST(RobotFileTest, OverridesThatFitNothingAreFaults) {
 TEST(RobotFileTest, FaultsHaveAPlaceAndTheNearestName) {
   ExpectFault("a: 1\ncomponents: {a: {type: x/A}}", "robot.yaml:1:1: Unknown key \"a\" at the top level.");
   ExpectFault("component: {}\ncomponents: {a: {type: x/A}}", "Did you mean \"components\"?");
-  ExpectFault("processes: {}", "The file has no \"components\".");
+  ExpectFault("processes: {}", "The file has no \"components\" and no \"programs\".");
   ExpectFault("component: {a: {type: x/A}}",
               "robot.yaml:1:1: Unknown key \"component\" at the top level. Did you mean \"components\"?");
   ExpectFault("components: {}", "components has no component.");

@@ -39,11 +39,17 @@ void Apply(OfferedParams& params, const std::vector<ParamChange>& changes, bool 
   if (records.size() == 0) console.Say("The parameters have these values already.");
 }
 
-ParamChange ChangeOf(const std::string& path, const std::string& yaml) {
+ParamChange ChangeOf(OfferedParams& params, const std::string& path, const std::string& argument) {
   // A server reads a value as a program reads its command line.
-  const ParamServer reader({.overrides = {{"value", yaml, "the value of " + path}}});
+  const ParamServer reader({.overrides = {{"value", argument, "the value of " + path}}});
   const ParamNodePtr value = reader["value"].node();
-  return {path, value == nullptr ? ParamNode() : *value};
+  if (value == nullptr) return {path, ParamNode()};
+  if (value->IsString()) return {path, *value};
+  const std::string whole = ParamPath::Parse(path).ToString();
+  const std::vector<ParamDeclaration> known = params.Declarations(path);
+  const bool is_text =
+      std::ranges::any_of(known, [&](const ParamDeclaration& one) { return one.path == whole && one.type == "text"; });
+  return {path, is_text ? ParamNode::Text(argument, true) : *value};
 }
 
 class ParamSet final : public Command {
@@ -85,7 +91,7 @@ int ParamSet::Run(Surroundings& surroundings) {
   }
   OfferedParams params(robot, options_, named ? session_ : OnlyParamSession(robot));
   std::vector<ParamChange> changes;
-  for (std::size_t i = 0; i < words_.size(); i += 2) changes.push_back(ChangeOf(words_[i], words_[i + 1]));
+  for (std::size_t i = 0; i < words_.size(); i += 2) changes.push_back(ChangeOf(params, words_[i], words_[i + 1]));
   Apply(params, changes, create_, options_.style, surroundings.console);
   return kDone;
 }

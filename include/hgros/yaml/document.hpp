@@ -67,6 +67,10 @@ class HGROS_EXPORT Document {
                                          const Variables& variables = EnvironmentVariable);
   /// A single value that is in no file: positions have only `name`, such as "--set speed".
   [[nodiscard]] static Document ParseValue(std::string_view text, std::string name);
+  /// An argument of a command line, or a variable of the environment: a value, but the argument itself as a text if it
+  /// is empty, begins with `#`, has a comment behind it or is no YAML. The root keeps the argument in Node::text.
+  /// Throws ConfigError for one that begins with a bracket or a quote and is no YAML.
+  [[nodiscard]] static Document ParseArgument(std::string_view argument, std::string name);
 
   /// Merges maps. Everything else is replaced by `upper`, but an empty value leaves a map unchanged.
   [[nodiscard]] static Document Merged(const Document& lower, const Document& upper);
