@@ -65,7 +65,22 @@ class Params(RobotTest):
         self.assertIn("all.flag", params)
         params["all.flag"] = None
         self.assertNotIn("all.flag", params)
-        self.assertIsNone(params["all.flag"])
+        self.assertIsNone(params.get("all.flag"))
+
+    def test_a_list_of_bools_stays_one(self):
+        params = self.session().params
+        self.assertEqual(repr(params.declare("flags", [True, False])), "[True, False]")
+        params["flags"] = [False]
+        self.assertEqual(repr(params["flags"]), "[False]")
+
+    def test_square_brackets_refuse_a_parameter_that_is_not_there(self):
+        params = self.session().params
+        params.declare("speed", 0.5)
+        with self.assertRaisesRegex(hgros.ParamError, 'no parameter "sped"\\. Did you mean "speed"\\?'):
+            params["sped"]
+        with self.assertRaisesRegex(hgros.ParamError, 'no parameter "height". Declare it first'):
+            params["height"] = 1
+        self.assertNotIn("height", params)
 
     def test_a_parameter_that_no_file_could_hold_is_refused_with_the_reason(self):
         params = self.session().params
@@ -74,11 +89,11 @@ class Params(RobotTest):
         refused = {"contains itself": endless, "at most 64 bits": [1, 2**63], "surrogate": "\ud800", "keys": {1: 2}}
         for reason, value in refused.items():
             with self.assertRaisesRegex((TypeError, ValueError), reason):
-                params["all"] = value
+                params.set("all", value)
         self.assertNotIn("all", params)
         with self.assertRaisesRegex(ValueError, "at most 64 bits"):
             params.declare("large", 2**63)
-        with self.assertRaisesRegex(TypeError, "list of numbers or texts"):
+        with self.assertRaisesRegex(TypeError, "list of one of these"):
             params.declare("mixed", [1, "a"])
 
     def test_file_and_environment_set_parameters_and_save_keeps_comments(self):

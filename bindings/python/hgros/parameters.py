@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any, Callable, Protocol, Sequence, TypeVar
 
 from . import _hgros
@@ -20,6 +21,13 @@ class _Owner(Protocol):
 V = TypeVar("V", bool, int, float, str, list[int], list[float], list[str])
 Changed = Callable[[list[str]], object]
 AnyChanged = TypeVar("AnyChanged", bound=Changed)
+
+
+def _paths_below(values: Any, above: str = "") -> list[str]:
+    if not isinstance(values, dict):
+        return [above]
+    below = [_paths_below(value, f"{above}.{key}" if above else key) for key, value in values.items()]
+    return ([above] if above else []) + [path for paths in below for path in paths]
 
 
 class ParamError(Error):
@@ -71,7 +79,10 @@ class Parameters:
         """
         return self._raw.get(path)
 
-    __getitem__ = get
+    def __getitem__(self, path: str) -> Any:
+        """As get(), but raises ParamError if there is no such parameter."""
+        self._require(path)
+        return self.get(path)
 
     def __contains__(self, path: str) -> bool:
         return self._raw.has(path)
@@ -80,7 +91,17 @@ class Parameters:
         """Changes one parameter; None removes it, and a declared one returns to its default. Raises ParamError."""
         self.update({path: value})
 
-    __setitem__ = set
+    def __setitem__(self, path: str, value: Any) -> None:
+        """As set(), but raises ParamError if there is no such parameter."""
+        self._require(path)
+        self.set(path, value)
+
+    def _require(self, path: str) -> None:
+        if path in self:
+            return
+        near = difflib.get_close_matches(path, _paths_below(self.get("")), 1)
+        raise ParamError(f'There is no parameter "{path}". ' +
+                         (f'Did you mean "{near[0]}"?' if near else "Declare it first, or create it with set()."))
 
     def update(self, values: dict[str, Any]) -> None:
         """Changes all of them at once, or none. Raises ParamError with the reason if a value is refused."""

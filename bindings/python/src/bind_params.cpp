@@ -194,7 +194,7 @@ py::object Declare(ParamsHandle& handle, const std::string& path, const T& fallb
 }
 
 [[noreturn]] void RefuseDefault() {
-  throw py::type_error("The default of a parameter is a bool, a number, a text, or a list of numbers or texts.");
+  throw py::type_error("The default of a parameter is a bool, a number, a text, or a list of one of these.");
 }
 
 template <class T>
@@ -222,6 +222,9 @@ std::vector<double> Numbers(const py::list& list) {
 
 py::object DeclareList(ParamsHandle& handle, const std::string& path, const py::list& fallback, ParamInfo info) {
   if (AllAre<py::str>(fallback)) return Declare(handle, path, ItemsOf(fallback, &Text), std::move(info));
+  if (AllAre<py::bool_>(fallback)) {  // Also ints, for Python.
+    return Declare(handle, path, fallback.cast<std::vector<bool>>(), std::move(info));
+  }
   if (AllAre<py::int_>(fallback)) return Declare(handle, path, ItemsOf(fallback, &WholeNumber), std::move(info));
   return Declare(handle, path, Numbers(fallback), std::move(info));
 }
