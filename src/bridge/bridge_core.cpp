@@ -199,8 +199,10 @@ std::shared_ptr<JoinedOutbound> BridgeCore::Advertise(const std::string& channel
 }
 
 std::shared_ptr<JoinedInbound> BridgeCore::Subscribe(const std::string& channel, const TypeInfo& type,
-                                                     const Demand& demand, InboundSink& sink) {
-  announcer_.Subscribes(channel, type, KeysFor(channel), demand.lossless);
+                                                     const TypeInfo& announced, const Demand& demand,
+                                                     InboundSink& sink) {
+  announcer_.Subscribes(channel, announced.encoding == Encoding::kNone ? type : announced, KeysFor(channel),
+                        demand.lossless);
   std::shared_ptr<JoinedInbound> joined;
   try {
     pairs_.OwnChanged(channel);

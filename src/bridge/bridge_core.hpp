@@ -40,7 +40,8 @@ class BridgeCore final : private DiscoveryListener {
   [[nodiscard]] std::shared_ptr<JoinedOutbound> Advertise(const std::string& channel, const TypeInfo& type,
                                                           OutboundSource& source);
   [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
-                                                         const Demand& demand, InboundSink& sink);
+                                                         const TypeInfo& announced, const Demand& demand,
+                                                         InboundSink& sink);
   /// As Subscribe(), without telling others of the host.
   [[nodiscard]] std::shared_ptr<JoinedInbound> JoinInbound(const std::string& channel, const TypeInfo& type,
                                                            const Demand& demand, InboundSink& sink);

@@ -49,9 +49,9 @@ void ChannelInlet::Join(NetworkBridge& bridge, const Demand& demand) {
   lossless_.store(demand.lossless, std::memory_order_relaxed);
   const TypeInfo& type = TypeToAsk();
   type_.store(&type, std::memory_order_release);
-  auto transports = bridge.Subscribe(DataGraph::NameOf(channel_), type, demand, *this);
+  auto joined = bridge.Subscribe(DataGraph::NameOf(channel_), type, DataGraph::TypeOfChannel(channel_), demand, *this);
   const std::scoped_lock lock(transports_mutex_);
-  transports_ = std::move(transports);
+  transports_ = std::move(joined);
 }
 
 // A type that stays inside this process has no name outside, so a subscription with it accepts any type. The type of

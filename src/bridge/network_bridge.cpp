@@ -18,8 +18,9 @@ std::shared_ptr<JoinedOutbound> NetworkBridge::Advertise(const std::string& chan
 }
 
 std::shared_ptr<JoinedInbound> NetworkBridge::Subscribe(const std::string& channel, const TypeInfo& type,
-                                                        const Demand& demand, InboundSink& sink) {
-  return core_->Subscribe(channel, type, demand, sink);
+                                                        const TypeInfo& announced, const Demand& demand,
+                                                        InboundSink& sink) {
+  return core_->Subscribe(channel, type, announced, demand, sink);
 }
 
 std::shared_ptr<const void> NetworkBridge::SubscribeUnannounced(const std::string& channel, const TypeInfo& type,

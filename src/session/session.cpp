@@ -124,6 +124,10 @@ Channel& SessionSubscribing::OpenToSubscribe(std::string_view channel, const Typ
   RequireOtherThanRequests(channel, where);
   return subscribing_core_.graph().Open(channel, type, where);
 }
+Channel& SessionSubscribing::OpenToSubscribe(std::string_view channel, const MessageSchema& type,
+                                             const CallSite& where) {
+  return OpenToSubscribe(channel, RunTimeType(type), where);
+}
 Subscription SessionSubscribing::SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke,
                                               AnyCallback callback, NodeOptions options) {
   return subscribing_core_.SubscribeAny(channel, type, invoke, std::move(callback), std::move(options));

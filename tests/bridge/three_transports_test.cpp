@@ -117,7 +117,8 @@ class Counting final : private OutboundSource {
 class Checking final : private InboundSink {
  public:
   Checking(Bridged& session, const std::string& channel)
-      : in_(session->Subscribe(channel, TypeOf<Note>(), {.lossless = true, .credit_messages = 32}, *this)) {}
+      : in_(session->Subscribe(channel, TypeOf<Note>(), TypeOf<Note>(), {.lossless = true, .credit_messages = 32},
+                               *this)) {}
   std::atomic<std::uint64_t> last{0};
   std::atomic<std::uint64_t> lost{0};
   std::atomic<std::uint64_t> repeated{0};

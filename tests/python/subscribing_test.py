@@ -46,6 +46,13 @@ class Subscribing(RobotTest):
         self.assertEqual(f"{info.publisher:016x}", other.id)
         self.assertGreater(info.publish_time_ns, 0)
 
+    def test_others_see_the_type_that_a_subscription_names(self):
+        robot, other = self.session(), self.session()
+        robot.subscribe("log", Log, lambda message, info: None)
+        wait_until(lambda: [one.type_name for one in other.channels() if one.name == "log"] == ["foxglove.Log"])
+        with self.assertRaises(hgros.TypeMismatch):
+            robot.subscribe("log", LaserScan, lambda message, info: None)
+
     def test_decorator_returns_the_function_and_subscriptions_are_found_by_their_channel(self):
         robot = self.session()
 
@@ -312,7 +319,7 @@ class Subscribing(RobotTest):
         wait_until(lambda: subscription.received == 1)
         with self.assertLogs("hgros", logging.ERROR):
             self.assertFalse(robot.spin_once(0.01))  # A message of another type: no callback.
-        robot.params["a"] = 1
+        robot.params.set("a", 1)
         self.assertTrue(robot.spin_once())
 
     def test_spin_once_waits_for_a_callback_until_its_deadline(self):

@@ -86,7 +86,7 @@ class Types(RobotTest):
 
             with self.assertLogs("hgros", logging.ERROR) as logged:
                 wait_until(counted)
-            for text in (f'channel "{channel}"', published.DESCRIPTOR.full_name, subscribed.DESCRIPTOR.full_name):
+            for text in (channel, published.DESCRIPTOR.full_name, subscribed.DESCRIPTOR.full_name):
                 self.assertIn(text, logged.output[0])
             self.assertRegex(logged.output[0], "session [0-9a-f]{16}")
             self.assertEqual(messages.not_decoded, 1)

@@ -251,7 +251,8 @@ class Session:
                   queue: Queue = KeepLast(), name: str = "") -> Any:
         """Calls `callback(message, info)` with every message of a channel.
 
-        Without a type, the type comes with the channel. As a decorator it returns the function, and `subscriptions` has
+        Without a type, the type comes with the channel. Raises TypeMismatch if the channel has another type in this
+        session. As a decorator it returns the function, and `subscriptions` has
         the subscription. An exception of the callback is logged with its traceback and counted; the next message is
         handled.
         """
@@ -317,10 +318,9 @@ class Session:
 
     def _open(self, channel: str, wanted: type[Message] | None, inbox: _hgros.Inbox, queue: Queue,
               name: str) -> _hgros.Subscription:
-        if wanted is not None:
-            schema_of(wanted)  # A wrong type is an error here and not at the first message.
+        schema = None if wanted is None else schema_of(wanted)
         limit = (queue.limit_bytes or 0) if isinstance(queue, KeepAll) else 0
-        return self._use().subscribe(channel, inbox, isinstance(queue, KeepAll), queue.depth, limit, name)
+        return self._use().subscribe(channel, inbox, isinstance(queue, KeepAll), queue.depth, limit, name, schema)
 
     @overload
     def messages(self, channel: str, message_type: type[M], *, timeout: float | None = ..., queue: Queue = ...,

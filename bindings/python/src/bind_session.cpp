@@ -64,14 +64,14 @@ void BindSession(py::module_& module) {
       .def(
           "subscribe",
           [](SessionHandle& one, const std::string& channel, const std::shared_ptr<Inbox>& inbox, bool lossless,
-             std::size_t depth, std::size_t limit_bytes, const std::string& name) {
+             std::size_t depth, std::size_t limit_bytes, const std::string& name, const MessageSchema* type) {
             NodeOptions options;
             options.name = name;
             options.queue = QueueOf(lossless, depth, limit_bytes);
-            return one.Subscribe(channel, inbox, options);
+            return one.Subscribe(channel, inbox, options, type);
           },
           Released(), py::arg("channel"), py::arg("inbox"), py::arg("lossless"), py::arg("depth"),
-          py::arg("limit_bytes"), py::arg("name"))
+          py::arg("limit_bytes"), py::arg("name"), py::arg("schema").none(true))
       .def(
           "advertise",
           [](SessionHandle& one, const std::string& channel, const MessageSchema& schema, std::size_t latched) {

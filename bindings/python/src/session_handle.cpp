@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hgros/base/error.hpp"
+#include "program_line.hpp"
 
 namespace hgros::python {
 namespace {
@@ -69,7 +70,7 @@ bool SessionHandle::closed() const {
 }
 
 Owned<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel, const std::shared_ptr<Inbox>& inbox,
-                                                   const NodeOptions& options) {
+                                                   const NodeOptions& options, const MessageSchema* type) {
   const auto session = Use();
   auto put = [inbox, known = false](const std::shared_ptr<const RawMessage>& message, const MessageInfo& info) mutable {
     if (!std::exchange(known, true)) inbox->SetNode(HandedOver::TakeFromRunningNode());
@@ -78,14 +79,18 @@ Owned<SubscriptionHandle> SessionHandle::Subscribe(const std::string& channel, c
   NodeOptions chosen = options;
   // A lossless inbox holds its thread; others only put a message into it.
   chosen.executor = options.queue.lossless() ? Executor::Dedicated() : Executor::Inline();
-  auto subscription = session->FromAnyRaw(channel, Invoke::kSerial, put, chosen);
+  const auto subscribe = [&] {
+    return type == nullptr ? session->FromAnyRaw(channel, Invoke::kSerial, put, chosen)
+                           : session->FromAnyRaw(channel, *type, Invoke::kSerial, put, chosen, ProgramLine());
+  };
+  auto subscription = subscribe();
   NodeSnapshot made = subscription.stats();
   if (made.queue.lossless() && made.executor.kind() == Executor::Kind::kInline) {
     // The configuration has made the queue lossless.
     subscription.Reset();
     inbox->Clear();  // The new subscription gets the latched messages again.
     chosen.executor = Executor::Dedicated();
-    subscription = session->FromAnyRaw(channel, Invoke::kSerial, put, chosen);
+    subscription = subscribe();
     made = subscription.stats();
   }
   inbox->SetQueue(made.queue);

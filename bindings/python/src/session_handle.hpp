@@ -71,7 +71,7 @@ class SessionHandle : public OfProcess {
   [[nodiscard]] bool closed() const;
 
   [[nodiscard]] Owned<SubscriptionHandle> Subscribe(const std::string& channel, const std::shared_ptr<Inbox>& inbox,
-                                                    const NodeOptions& options);
+                                                    const NodeOptions& options, const MessageSchema* type);
 
  private:
   mutable std::mutex mutex_;

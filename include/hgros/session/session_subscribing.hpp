@@ -45,6 +45,16 @@ class HGROS_EXPORT SessionSubscribing {
     return SubscribeAny(OpenToSubscribe(channel, AnyType(), where), AnyType(), invoke,
                         EraseCallback<RawMessage>(std::forward<F>(callback)), std::move(options));
   }
+  /// The same for one type that the program names at run time. Others see it, so that `hgros pub` and `hgros doctor`
+  /// know it. Messages of another type come all the same and are reported; compare RawMessage::schema. Throws
+  /// TypeMismatch if this session uses the channel with another type, and Error if the schema cannot be used.
+  template <CallbackFor<RawMessage> F>
+  [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromAnyRaw(
+      std::string_view channel, const MessageSchema& type, Invoke invoke, F&& callback, NodeOptions options = {},
+      const CallSite& where = CallSite::Current()) {
+    return SubscribeAny(OpenToSubscribe(channel, type, where), AnyType(), invoke,
+                        EraseCallback<RawMessage>(std::forward<F>(callback)), std::move(options));
+  }
   /// The schema of the messages on `channel`: this program's own, or that of the first publisher that sends it. Null if
   /// `timeout` came first. Subscribes to the channel while it waits. A FromAnyRaw subscription gets the schema with
   /// each message.
@@ -73,6 +83,7 @@ class HGROS_EXPORT SessionSubscribing {
  private:
   friend class SessionParts;
   Channel& OpenToSubscribe(std::string_view channel, const TypeInfo& type, const CallSite& where);
+  Channel& OpenToSubscribe(std::string_view channel, const MessageSchema& type, const CallSite& where);
   Subscription SubscribeAny(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,
                             NodeOptions options);
   Subscription SubscribeGraph(Channel& channel, const TypeInfo& type, Invoke invoke, AnyCallback callback,

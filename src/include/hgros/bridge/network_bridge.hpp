@@ -53,8 +53,11 @@ class NetworkBridge {
 
   [[nodiscard]] std::shared_ptr<JoinedOutbound> Advertise(const std::string& channel, const TypeInfo& type,
                                                           OutboundSource& source);
+  /// `announced`: what others see as the type, unless it stays inside this process. It may be known although messages
+  /// of any type are asked for.
   [[nodiscard]] std::shared_ptr<JoinedInbound> Subscribe(const std::string& channel, const TypeInfo& type,
-                                                         const Demand& demand, InboundSink& sink);
+                                                         const TypeInfo& announced, const Demand& demand,
+                                                         InboundSink& sink);
   /// The same without an announcement: the channel connects no sessions, and only those that are connected for another
   /// channel are asked for it. It ends with the result, which waits for active calls into the sink.
   [[nodiscard]] std::shared_ptr<const void> SubscribeUnannounced(const std::string& channel, const TypeInfo& type,
