@@ -98,9 +98,12 @@ constexpr std::string_view kComponentShape =
     "a map with type, params, remap, nodes, restart, checkpoint, deadline and essential";
 Duration ReadDuration(const Value& value, Duration least, const std::string& fix) {
   constexpr std::string_view kWanted = "a duration such as 500ms or 1s";
+  const std::string& text = value.Text(kWanted);
+  const bool has_unit = text.empty() || (text.back() != '.' && (text.back() < '0' || text.back() > '9'));
+  if (!has_unit) value.FailType(kWanted);
   Duration duration{};
   try {
-    duration = ParamView(std::make_shared<const ParamNode>(ParamNode::Text(value.Text(kWanted), false))).as<Duration>();
+    duration = ParamView(std::make_shared<const ParamNode>(ParamNode::Text(text, false))).as<Duration>();
   } catch (const ParamError&) {
     value.FailType(kWanted);
   }
@@ -152,8 +155,11 @@ RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
     return {};  // The misspelled key is reported.
   }
   const std::optional<Value> components = top.Find(kComponents);
-  if (!components) top.value().Fail("has no \"components\"", "Add them: `components: {NAME: {type: PACKAGE/TYPE}}`.");
-  if (components->Map(kComponentsShape).empty()) {
+  if (!components && !top.Find("programs")) {
+    top.value().Fail("has no \"components\" and no \"programs\"",
+                     "Add some: `components: {NAME: {type: PACKAGE/TYPE}}`.");
+  }
+  if (components && components->Map(kComponentsShape).empty()) {
     components->Fail("has no component", "Add one: `NAME: {type: PACKAGE/TYPE}`.");
   }
   read_all(kComponents, kComponentsShape, [this](const Field& field) { ReadComponent(field); });
