@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <type_traits>
 
 #include "messages/known_types.hpp"
 #include "terminal/visible_text.hpp"
@@ -117,17 +118,21 @@ void AppendNumber(std::string& out, float value) {
   AppendReal(out, value, true);
 }
 
+// Whether YAML reads the word as something else than a text.
+bool IsYamlWord(std::string_view word) {
+  std::string lower(word);
+  std::ranges::transform(lower, lower.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  constexpr std::string_view kWords[] = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"};
+  return std::ranges::find(kWords, lower) != std::end(kWords);
+}
+
 // Whether YAML reads the text as this text when it is not in quotes.
 bool IsPlain(std::string_view text) {
   if (text.empty() || text.size() > 60) return false;
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto inside = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '/' || c == '.' || c == '-'; };
-  if (!(letter(text.front()) || text.front() == '/') || !std::ranges::all_of(text, inside)) return false;
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  constexpr std::string_view kWords[] = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"};
-  return std::ranges::find(kWords, lower) == std::end(kWords);
+  return (letter(text.front()) || text.front() == '/') && std::ranges::all_of(text, inside) && !IsYamlWord(text);
 }
 
 void AppendQuoted(std::string& out, std::string_view text) {
@@ -151,7 +156,13 @@ std::string_view Beginning(std::string_view text, std::size_t most) {
 std::string AppendScalar(std::string& out, const FieldRef& place, const TextLimits& limits) {
   const ScalarReader reader(place);
   if (!IsText(*place.field)) {
-    reader.Visit([&out](const auto& value) { AppendNumber(out, value); });
+    reader.Visit([&out](const auto& value) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::string_view>) {
+        out += NameText(value);
+      } else {
+        AppendNumber(out, value);
+      }
+    });
     return {};
   }
   std::string scratch;
@@ -290,6 +301,10 @@ void WriteJson(Json& json, const FieldRef& place) {
   } else {
     ScalarReader(place).Visit([&json](const auto& value) { json.Value(value); });
   }
+}
+
+std::string NameText(std::string_view name) {
+  return IsYamlWord(name) ? '"' + std::string(name) + '"' : std::string(name);
 }
 
 std::string PlainText(const FieldRef& place) {

@@ -29,6 +29,9 @@ void WriteJson(Json& json, const FieldRef& place);
 /// A single value as text: a number, a text without quotes, the name of an enum's value. JSON for anything else.
 [[nodiscard]] std::string PlainText(const FieldRef& place);
 
+/// The name of an enum's value as YAML: in quotes if YAML reads it as a boolean, such as OFF.
+[[nodiscard]] std::string NameText(std::string_view name);
+
 [[nodiscard]] std::string Base64(std::string_view bytes);
 /// Empty and false if `text` is not base64.
 [[nodiscard]] bool FromBase64(std::string_view text, std::string& bytes);

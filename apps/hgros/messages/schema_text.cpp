@@ -10,6 +10,7 @@
 
 #include "messages/known_types.hpp"
 #include "messages/message_reader.hpp"
+#include "messages/message_text.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
@@ -176,9 +177,9 @@ std::string TemplateWriter::Example(const FieldDescriptor& field) {
     case FieldDescriptor::CPPTYPE_ENUM: {
       constexpr int kMost = 10;
       const EnumDescriptor& type = *field.enum_type();
-      std::string text = type.value(0)->name();
+      std::string text = NameText(type.value(0)->name());
       for (int i = 1; i < type.value_count() && i < kMost; ++i) {
-        text += (i == 1 ? "  # or " : ", ") + type.value(i)->name();
+        text += (i == 1 ? "  # or " : ", ") + NameText(type.value(i)->name());
       }
       return text + (type.value_count() > kMost ? ", ..." : "");
     }

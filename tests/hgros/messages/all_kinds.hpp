@@ -15,6 +15,7 @@ import "google/protobuf/duration.proto";
 import "foxglove/Pose.proto";
 
 enum Color { RED = 0; GREEN = 1; }
+enum Switch { OFF = 0; ON = 1; HALF = 2; }
 message All {
   message Part { double x = 1; repeated Part parts = 2; }
   double a_double = 1;
@@ -30,6 +31,7 @@ message All {
   string a_string = 11;
   bytes a_bytes = 12;
   Color a_color = 13;
+  optional Switch a_switch = 14;
   repeated float floats = 20;
   repeated string texts = 21;
   repeated bytes blocks = 22;

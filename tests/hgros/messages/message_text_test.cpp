@@ -64,6 +64,11 @@ TEST(MessageText, QuotesTextsThatYamlWouldReadAsSomethingElse) {
   }
 }
 
+TEST(MessageText, QuotesNamesOfValuesThatYamlReadsAsBooleans) {
+  EXPECT_EQ(NameText("OFF"), "\"OFF\"");
+  EXPECT_EQ(NameText("OFFLINE"), "OFFLINE");
+}
+
 TEST(MessageText, WritesNumbersThatJsonDoesNotHave) {
   foxglove::LaserScan scan;
   scan.add_ranges(std::numeric_limits<double>::quiet_NaN());
