@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -33,14 +35,16 @@ void PsCommand::Add(Records& records, const std::string& robot, const RobotReply
   const Cell pid = unit.pid() == 0 ? Cell() : Cell(std::int64_t{unit.pid()});
   const auto seconds = static_cast<std::int64_t>(unit.seconds() * 1e9);
   const Cell since = unit.pid() == 0 ? Cell() : Cell(unit.seconds(), DurationText(seconds, false));
-  const auto add = [&](const Cell& name, const Cell& type, const std::string& state) {
-    records.Add({robot, name, type, PlaceOf(unit), pid, state.empty() ? unit.state() : state,
-                 std::uint64_t{unit.restarts()}, since, unit.host().empty() ? Cell() : Cell(unit.host())});
+  const auto add = [&](const Cell& name, const Cell& type, const std::string& state, std::uint64_t restarts) {
+    records.Add({robot, name, type, PlaceOf(unit), pid, state.empty() ? unit.state() : state, restarts, since,
+                 unit.host().empty() ? Cell() : Cell(unit.host())});
   };
   for (const RobotReply::Component& one : unit.components()) {
-    add(one.name().empty() ? Cell() : Cell(one.name()), one.type(), one.state());
+    // It also restarts alone, in its process.
+    const std::uint64_t restarts = std::max<std::uint64_t>(unit.restarts(), one.starts() == 0 ? 0 : one.starts() - 1);
+    add(one.name().empty() ? Cell() : Cell(one.name()), one.type(), one.state(), restarts);
   }
-  if (unit.components().empty()) add({}, {}, {});  // A component can move there.
+  if (unit.components().empty()) add({}, {}, {}, unit.restarts());  // A component can move there.
 }
 
 int PsCommand::Run(Surroundings& surroundings) {
