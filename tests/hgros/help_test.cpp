@@ -49,6 +49,11 @@ TEST(HgrosHelp, ExplainsAllCommandsAndEachWithItsExamples) {
 
 TEST(HgrosHelp, RefusesWrongNamesAndValues) {
   EXPECT_THAT(RunToEnd({"lst"}), Ends(2, "hgros: There is no command \"lst\". Did you mean list?\n"));
+  EXPECT_THAT(RunToEnd({"topic", "list"}), Ends(2, "hgros: There is no command \"topic\". Use `hgros list`.\n"));
+  for (const char* name : {"node", "launch", "bag", "rosbag"}) {
+    EXPECT_THAT(RunToEnd({name, "info"}), Ends(2, HasSubstr(". Use `hgros "))) << name;
+  }
+  EXPECT_THAT(RunToEnd({"run", "demo_nodes_cpp", "talker"}), Ends(2, HasSubstr("`hgros components`")));
   EXPECT_THAT(RunToEnd({"list", "--domian", "x"}),
               Ends(2, "hgros: --domian is not an option. Did you mean --domain?\n"));
   EXPECT_EQ(RunToEnd({"help", "list", "all"}).err, "hgros: \"all\" is one argument too many.\n");

@@ -20,6 +20,7 @@ namespace {
 
 using foxglove::Log;
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -131,12 +132,27 @@ TEST(HgrosList, ShowsSessionsNodesAndServices) {
   EXPECT_THAT(robot.Run(Patiently({"list", "--all"})).out, HasSubstr("hgros/snapshots"));
 }
 
-TEST(HgrosList, WritesNothingWhenNothingRuns) {
-  EXPECT_THAT(RunInShell("for what in channels sessions nodes services params frames; do\n"
-                         "  $HGROS list $what --domain $HGROS_DOMAIN$what || echo $what &\n"
-                         "done; wait",
-                         OwnDomain()),
-              Writes(""));
+TEST(HgrosList, SaysSoWhenNothingRuns) {
+  const CommandEnd end = RunInShell(
+      "for what in channels sessions nodes services params frames; do\n"
+      "  $HGROS list $what --domain $HGROS_DOMAIN$what || echo $what &\n"
+      "done; wait",
+      OwnDomain());
+  EXPECT_EQ(end.out, "");
+  for (const char* what : {"channels", "sessions", "nodes", "services", "params", "frames"}) {
+    EXPECT_THAT(end.err, ContainsRegex("hgros: No sessions in domain [^ ]*" + std::string(what) + "\\."));
+  }
+}
+
+TEST(HgrosList, NamesTheDomainInWhichSomethingRuns) {
+  const std::string domain = "0first" + std::to_string(getpid());  // The names are sorted.
+  RobotForCommands robot("robot", domain);
+  const auto publish = robot.session().Advertise<Log>("log");
+  std::string said;
+  EXPECT_TRUE(test::Await([&] {
+    said = RunToEnd({"list"}, OwnDomain()).err;
+    return said.find(". There are some in: " + domain) != std::string::npos;
+  })) << said;
 }
 
 TEST(HgrosList, MeetsASessionBehindAnEndpointOrSaysWhyNot) {

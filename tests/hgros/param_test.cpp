@@ -100,6 +100,11 @@ TEST_F(HgrosParam, SetsAllOrNone) {
   EXPECT_THAT(Run({"set", "robot", "matcher", "{rnage: 2}"}),
               Ends(1, HasSubstr("hgros: There is no parameter matcher.rnage. Did you mean matcher.range?")));
   EXPECT_EQ(Run({"set", "robot", "matcher", "{range: 3}"}).status, 0);
+  (void)server_.Declare("text", std::string("a"));
+  for (const char* text : {"", "#ff0000", "a # b", "007", "[1]"}) {
+    EXPECT_THAT(Run({"set", "robot", "text", text}), Ends(0, "")) << text;
+    EXPECT_EQ(server_.Get<std::string>("text"), text);
+  }
   EXPECT_THAT(Run({"set", "robot", "gain"}), Ends(2, "hgros: The last parameter, gain, has no value.\n"));
 
   {
@@ -176,7 +181,7 @@ TEST(HgrosParamAlone, SaysWhenTheWatchedSessionEnds) {
 
 TEST(HgrosParamAlone, SaysThatNoSessionOffersParametersAndListsItsCommands) {
   RobotForCommands robot;
-  EXPECT_EQ(robot.Run({"param", "list"}).out, "");
+  EXPECT_THAT(robot.Run({"param", "list"}), Ends(0, HasSubstr("hgros: No parameters in domain ")));
   EXPECT_EQ(robot.Run({"param", "get", "gains"}).err, "hgros: No session offers parameters.\n");
   EXPECT_THAT(robot.Run({"param", "save"}), Ends(1, "hgros: No session offers parameters.\n"));
   const CommandEnd help = RunToEnd({"help", "param"});

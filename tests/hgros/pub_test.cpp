@@ -117,12 +117,18 @@ TEST(HgrosPub, RefusesWhatItCannotPublish) {
   RobotForCommands robot;
   const Heard heard(robot.session(), "wish");
   const auto any = robot.session().FromAnyRaw("any", Invoke::kSerial, [](const RawMessage&) {});
+  const auto named = robot.session().FromAnyRaw("named", MessageSchema{"foxglove.Log", Encoding::kProtobuf, 0, {}},
+                                                Invoke::kSerial, [](const RawMessage&) {});
   const auto number = robot.session().Advertise<Number>("number");
+  EXPECT_THAT(robot.Run({"pub", "named", "{}", "--type", "foxglove.Pose"}),
+              Ends(1, "hgros: named has the type foxglove.Log, not foxglove.Pose. Leave out --type.\n"));
   EXPECT_THAT(robot.Run({"pub", "any", "{message: a}"}).err,
               HasSubstr("because its subscribers take any type. Name it with --type"));
   EXPECT_THAT(RunToEnd({"pub", "hgros/clock", "{}", "--type", "foxglove.Log"}),
               Ends(2, testing::StartsWith("hgros: Channels that begin with \"hgros/\" belong to the library")));
   EXPECT_THAT(robot.Run({"pub", "wihs", "{}"}).err, HasSubstr("Did you mean wish?"));
+  EXPECT_THAT(robot.Run({"pub", "wihs", "{}", "--type", "foxglove.Log"}).err,
+              HasSubstr("so nobody gets the message. Did you mean wish?"));
   EXPECT_THAT(robot.Run({"pub", "wish", "{mesage: a}"}),
               Ends(2, "hgros: message:1:2: foxglove.Log has no field \"mesage\". Did you mean message?\n"));
   EXPECT_THAT(robot.Run({"pub", "x", "--type", "foxglove.Lgo"}).err, HasSubstr("Did you mean foxglove.Log?"));

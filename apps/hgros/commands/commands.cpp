@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "hgros/base/names.hpp"
 
@@ -14,6 +18,9 @@ constexpr std::string_view kCheck = "Check";
 constexpr std::string_view kSteer = "Steer";
 constexpr std::string_view kRun = "Run";
 constexpr std::string_view kThis = "This program";
+
+constexpr std::string_view kKeepMessages =
+    "`hgros echo --json` to keep messages and `hgros pub --file` to publish them again";
 
 constexpr std::array kCommands{
     CommandEntry{"list", "List channels, sessions, nodes, services, parameters or frames", kSee, MakeList},
@@ -76,6 +83,25 @@ constexpr std::array kCommands{
     CommandEntry{"__man", "Write manual pages", kThis, MakeManual},
 };
 
+// What users of ROS type, and what they look for. A longer name comes before its beginning.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 19> kElsewhere{{
+    {"topic list", "`hgros list`"},       {"topic echo", "`hgros echo`"},   {"topic hz", "`hgros hz`"},
+    {"topic bw", "`hgros bw`"},           {"topic delay", "`hgros delay`"}, {"topic info", "`hgros info`"},
+    {"topic pub", "`hgros pub`"},         {"topic", "`hgros list`"},        {"node info", "`hgros info`"},
+    {"node", "`hgros list nodes`"},       {"service call", "`hgros call`"}, {"service", "`hgros list services`"},
+    {"component", "`hgros components`"},  {"interface", "`hgros schema`"},  {"msg", "`hgros schema`"},
+    {"launch", "`hgros run FILE`"},       {"bag", kKeepMessages},           {"rosbag", kKeepMessages},
+    {"rviz", "the program hgros-viewer"},
+}};
+
+// In place of a command of ROS; empty: it is none.
+std::string_view InsteadOf(const std::vector<std::string>& words) {
+  const std::string two = words.size() > 1 ? words[0] + " " + words[1] : words[0];
+  const auto found =
+      std::ranges::find_if(kElsewhere, [&](const auto& one) { return one.first == two || one.first == words.front(); });
+  return found == kElsewhere.end() ? std::string_view() : found->second;
+}
+
 std::string UnknownCommand(std::string_view name) {
   std::vector<std::string> names;
   for (const CommandEntry& entry : kCommands) {
@@ -103,6 +129,12 @@ const CommandEntry& TakeCommand(std::vector<std::string>& words) {
     return *entry;
   };
   const CommandEntry* first = FindCommand(words.front());
+  if (const std::string_view instead = first == nullptr ? InsteadOf(words) : ""; !instead.empty()) {
+    throw UsageError("There is no command \"" + words.front() + "\". Use " + std::string(instead) + ".");
+  }
+  if (words.front() == "run" && words.size() > 2 && !words[1].starts_with('-') && !words[2].starts_with('-')) {
+    throw UsageError("`hgros run` takes one robot file. `hgros components` lists what a robot file can start.");
+  }
   const bool member = first != nullptr && first->family() && words.size() > 1 && !words[1].starts_with('-');
   return member ? take(words[0] + " " + words[1], 2) : take(std::string(words.front()), 1);
 }

@@ -6,6 +6,7 @@
 
 #include "commands/commands.hpp"
 #include "doctor/evidence.hpp"
+#include "robot/domains.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
 #include "terminal/pause.hpp"
@@ -100,9 +101,8 @@ void Doctor::Write(Console& console, const Findings& findings, const Evidence& e
   const auto sessions = evidence.after.size();
   const auto channels =
       std::ranges::count_if(evidence.channels, [](const KnownChannel& one) { return !IsInternal(one.name); });
-  std::string end = shown > 0       ? ""
-                    : sessions == 0 ? "No session is there to look at."
-                                    : fmt::format("Nothing is wrong. Sessions: {}, channels: {}.", sessions, channels);
+  if (sessions == 0 && evidence.channels.empty()) return console.Line(console.Styled(Style::kDim, NoSessions()));
+  std::string end = shown > 0 ? "" : fmt::format("Nothing is wrong. Sessions: {}, channels: {}.", sessions, channels);
   if (hidden > 0) end += fmt::format("{}Notes: {} with --verbose.", end.empty() ? "" : " ", hidden);
   if (!end.empty()) console.Line(console.Styled(Style::kDim, end));
 }

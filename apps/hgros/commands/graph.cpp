@@ -6,6 +6,7 @@
 #include "commands/commands.hpp"
 #include "drawing/graph_drawing.hpp"
 #include "hgros/base/names.hpp"
+#include "robot/domains.hpp"
 #include "robot/hypergraph.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
@@ -117,6 +118,7 @@ int Graph::Run(Surroundings& surroundings) {
   } else {
     WriteTo(console, file_, drawing);
   }
+  if (graph.processes.empty()) SayNone(robot, "sessions");
   return kDone;
 }
 

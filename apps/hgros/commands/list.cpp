@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "commands/commands.hpp"
+#include "robot/domains.hpp"
 #include "robot/frames.hpp"
 #include "robot/offered_params.hpp"
 #include "robot/overview.hpp"
@@ -40,6 +41,10 @@ class List final : public Command {
   void ListSessions(Robot& robot) const;
   void ListNodes(Robot& robot) const;
   void ListServices(Robot& robot) const;
+  void End(Records& records, const Robot& robot) const {
+    records.End();
+    if (records.size() == 0) SayNone(robot, what_);
+  }
 
   std::string what_ = "channels";
   bool all_ = false;
@@ -68,7 +73,7 @@ void List::ListChannels(Robot& robot) const {
                  totals.latched == 0 ? Cell(totals.latched, "-") : Cell(totals.latched),
                  TransportsOf(counters, channel)});
   }
-  records.End();
+  End(records, robot);
 }
 
 void List::ListSessions(Robot& robot) const {
@@ -109,7 +114,7 @@ void List::ListSessions(Robot& robot) const {
     records.Add({row.user.session.ToString(), row.user.process, row.user.pid, row.user.host, row.publishes,
                  row.subscribes, peer == peers.end() ? Cell() : Cell(peer->transport)});
   }
-  records.End();
+  End(records, robot);
 }
 
 void List::ListNodes(Robot& robot) const {
@@ -137,7 +142,7 @@ void List::ListNodes(Robot& robot) const {
       }
     }
   }
-  records.End();
+  End(records, robot);
 }
 
 void List::ListServices(Robot& robot) const {
@@ -150,7 +155,7 @@ void List::ListServices(Robot& robot) const {
     records.Add(
         {std::string(service), channel.type_name, UserListCell(channel.subscribers), UserListCell(channel.publishers)});
   }
-  records.End();
+  End(records, robot);
 }
 
 int List::Run(Surroundings& surroundings) {

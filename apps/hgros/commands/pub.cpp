@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "commands/commands.hpp"
@@ -275,6 +278,19 @@ const yaml::Node& MessageIn(const MessageDocument& line, const std::string& type
   return *MemberOf(root, "message");
 }
 
+// The type that the first line of the file names, if `hgros echo` wrote it; otherwise empty. A pipe is not read,
+// because its first line would be lost.
+std::string TypeInFile(const std::string& file, Pause& pause) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return {};
+  LineReader lines(file, MessageDocument::kMostJsonBytes);
+  const std::optional<std::string_view> line = lines.Next(pause, std::chrono::steady_clock::time_point::max());
+  if (!line || line->find_first_not_of(" \t\r") == std::string_view::npos) return {};
+  const MessageDocument document = MessageDocument::ParseJson(*line, lines.name(), lines.number());
+  const yaml::Node* type = RecordedTime(document.root()) ? MemberOf(document.root(), "type") : nullptr;
+  return type == nullptr ? std::string() : type->text;
+}
+
 void Pub::PublishFile(Publishing& publishing, Pause& pause) const {
   LineReader lines(options_.file, MessageDocument::kMostJsonBytes);
   std::optional<SteadyTime> begin;
@@ -311,15 +327,22 @@ int Pub::Run(Surroundings& surroundings) {
   if (options_.file.empty()) document = MessageDocument::Parse(options_.message, "message");
   const TypeFinder finder(options_.types);
   Robot robot(options_.robot, surroundings);
-  const ChannelType type = TypeOfChannel(robot, options_.robot, finder, options_.channel, options_.type);
+  std::string given = options_.type;
+  if (given.empty() && ChannelNamed(robot, options_.channel).type_name.empty()) {
+    given = TypeInFile(options_.file, surroundings.pause);
+  }
+  const ChannelType type = TypeOfChannel(robot, options_.robot, finder, options_.channel, given);
   if (document) ReadMessage(*document, *type.type->Read({}));  // Its faults come before the channel is announced.
   Publishing publishing(options_, robot, type);
   if (!publishing.AwaitSubscribers()) return kDone;
   const bool heard = publishing.subscribers() > 0;
   const bool once = options_.once();
   if (!heard && !options_.latched) {
+    const std::string nearest = NearestChannel(robot, options_.channel);
+    const bool misspelled = !nearest.empty() && nearest != options_.channel;
     surroundings.console.Say("Nobody subscribes to " + Visible(options_.channel) +
-                             (once ? ", so nobody gets the message." : " yet.") + options_.robot.SendingHint());
+                             (once ? ", so nobody gets the message." : " yet.") +
+                             (misspelled ? " Did you mean " + Visible(nearest) + "?" : options_.robot.SendingHint()));
     if (once) return options_.robot.timeout_s ? kTimedOut : kFailed;
   }
   try {

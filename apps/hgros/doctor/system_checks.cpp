@@ -1,9 +1,6 @@
 // Limits of this host and of the processes on it, and other sessions that this command does not meet.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sched.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -18,6 +15,7 @@
 #include <vector>
 
 #include "doctor/evidence.hpp"
+#include "robot/domains.hpp"
 #include "terminal/units.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -143,55 +141,26 @@ void CheckGovernor(Findings& findings) {
                       "cpupower frequency-set -g performance, or schedutil."});
 }
 
-// Whether the session of this file has ended: its process no longer locks it. No, if that is not known.
-bool IsStale(const fs::path& file) {
-  const int fd = open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0) return false;
-  struct flock lock {};
-  lock.l_type = F_WRLCK;
-  lock.l_whence = SEEK_SET;
-  const bool known = fcntl(fd, F_OFD_GETLK, &lock) == 0;
-  close(fd);
-  return known && lock.l_type == F_UNLCK;
-}
-
-// Folders of the registry as docs/deployment.md names them: FOLDER/DOMAIN/SESSION.
 void CheckOtherDomains(Findings& findings) {
-  std::set<fs::path> folders;
-  if (const char* runtime = std::getenv("XDG_RUNTIME_DIR")) folders.insert(fs::path(runtime) / "hgros");
-  std::error_code error;
-  for (const auto& user : fs::directory_iterator("/run/user", error)) folders.insert(user.path() / "hgros");
-  for (const auto& entry : fs::directory_iterator("/tmp", error)) {
-    if (entry.path().filename().string().starts_with("hgros-")) folders.insert(entry.path());
-  }
-  const char* chosen = std::getenv("HGROS_DOMAIN");
-  const std::string own = chosen == nullptr || *chosen == '\0' ? "default" : chosen;
-  for (const fs::path& folder : folders) {
-    for (const auto& domain : fs::directory_iterator(folder, error)) {
-      const std::string name = domain.path().filename().string();
-      if (name.starts_with('.') || !domain.is_directory(error) || domain.is_symlink(error)) continue;
-      std::size_t sessions = 0;
-      std::size_t stale = 0;
-      for (const auto& file : fs::directory_iterator(domain.path(), error)) {
-        if (file.path().filename().string().find_first_not_of("0123456789abcdef") != std::string::npos) continue;
-        ++(IsStale(file.path()) ? stale : sessions);
-      }
-      if (stale > 0) {
-        findings.push_back(
-            {Severity::kNote, "registry",
-             fmt::format("Files of sessions that have ended are left in {} ({}).", domain.path().string(), stale),
-             "The next session of that user there removes them."});
-      }
-      struct stat status {};
-      const bool foreign = stat(folder.c_str(), &status) == 0 && status.st_uid != geteuid();
-      if (sessions == 0 || (name == own && !foreign)) continue;
+  const std::string own = ChosenDomain();
+  for (const DomainOnHost& domain : DomainsOnHost()) {
+    const std::string folder = domain.folder.string();
+    if (domain.stale > 0) {
+      findings.push_back({Severity::kNote, "registry",
+                          fmt::format("Files of sessions that have ended are left in {} ({}).", folder, domain.stale),
+                          "The next session of that user there removes them."});
+    }
+    if (domain.sessions == 0 || (domain.name == own && !domain.other_user)) continue;
+    if (domain.other_user) {
       findings.push_back({Severity::kNote, "domain",
-                          foreign
-                              ? fmt::format("Sessions of user {} are in {} ({}); this command does not meet them.",
-                                            status.st_uid, domain.path().string(), sessions)
-                              : fmt::format("Sessions are in the domain \"{}\" ({}); this command looked at \"{}\".",
-                                            name, sessions, own),
-                          foreign ? "Run the command as that user." : "hgros doctor --domain " + name});
+                          fmt::format("Sessions of user {} are in {} ({}); this command does not meet them.",
+                                      *domain.other_user, folder, domain.sessions),
+                          "Run the command as that user."});
+    } else {
+      findings.push_back({Severity::kNote, "domain",
+                          fmt::format("Sessions are in the domain \"{}\" ({}); this command looked at \"{}\".",
+                                      domain.name, domain.sessions, own),
+                          "hgros doctor --domain " + domain.name});
     }
   }
 }

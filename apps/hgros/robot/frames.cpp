@@ -9,6 +9,7 @@
 
 #include "hgros/clock/derived_clocks.hpp"
 #include "hgros/session/clock_publisher.hpp"
+#include "robot/domains.hpp"
 #include "terminal/pause.hpp"
 #include "terminal/records.hpp"
 #include "terminal/units.hpp"
@@ -66,8 +67,12 @@ void Frames::Collect(std::chrono::nanoseconds time) {
 void WriteFrames(Robot& robot, const RobotOptions& options) {
   Frames frames(robot);
   frames.Collect(options.Timeout(std::chrono::seconds(1)));
-  if (!frames.AnySender() && !robot.Channels(true).empty()) {
-    robot.surroundings().console.Say("No session sends transforms. Sessions of other hosts are met with --connect.");
+  if (!frames.AnySender()) {
+    if (robot.Channels(true).empty()) {
+      SayNone(robot, "transforms");
+    } else {
+      robot.surroundings().console.Say("No session sends transforms. Sessions of other hosts are met with --connect.");
+    }
   }
   const Time now = frames.Now();
   Records records(robot.surroundings().console, options.style,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hgros/base/names.hpp"
+#include "robot/domains.hpp"
 #include "robot/overview.hpp"
 #include "robot/param_text.hpp"
 #include "terminal/pause.hpp"
@@ -160,6 +161,7 @@ int WriteParams(Robot& robot, const RobotOptions& options, const std::vector<std
     }
   }
   records.End();
+  if (records.size() == 0 && code == kDone) SayNone(robot, "parameters");
   return code;
 }
 

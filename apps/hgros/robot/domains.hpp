@@ -1,0 +1,34 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hgros::cli {
+
+class Robot;
+
+/// A domain with its sessions on this host.
+struct DomainOnHost {
+  std::string name;
+  std::filesystem::path folder;
+  std::size_t sessions = 0;
+  std::size_t stale = 0;            ///< Files of sessions that have ended.
+  std::optional<uid_t> other_user;  ///< Whose sessions these are, if they are not those of the user of this command.
+};
+
+/// The domains of all users that the registry folders of this host have.
+[[nodiscard]] std::vector<DomainOnHost> DomainsOnHost();
+/// The domain of this command.
+[[nodiscard]] std::string ChosenDomain();
+/// One sentence, or two: in which domain no sessions are, and in which domains there are some. Visible.
+[[nodiscard]] std::string NoSessions();
+/// Says that the robot has none of `what`, such as "nodes", or that no sessions are there at all.
+void SayNone(const Robot& robot, std::string_view what);
+
+}  // namespace hgros::cli
