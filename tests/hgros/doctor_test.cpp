@@ -25,7 +25,7 @@ TEST(HgrosDoctor, SaysThatNothingIsWrongOrNobodyIsThere) {
   CommandRun alone({"doctor"}, OwnDomain());
   EXPECT_THAT(robot.Run(Patiently({"doctor"})), Writes(StartsWith("Nothing is wrong. Sessions: 1, channels: 1.")));
   EXPECT_EQ(alone.Wait(), 0);
-  EXPECT_THAT(alone.out(), StartsWith("No session is there to look at."));
+  EXPECT_THAT(alone.out(), StartsWith("No sessions in domain "));
 }
 
 TEST(HgrosDoctor, FindsFaultsOfChannelsNodesAndThreads) {
@@ -36,6 +36,10 @@ TEST(HgrosDoctor, FindsFaultsOfChannelsNodesAndThreads) {
   const auto front = session.Advertise<Log>("scan_front");
   const auto odd = session.Advertise<Log>("odd");
   const Subscription wrong = other.session().FromAny<LaserScan>("odd", Invoke::kSerial, [](const LaserScan&) {});
+  const auto odder = session.Advertise<Log>("odder");
+  const Subscription named =
+      other.session().FromAnyRaw("odder", MessageSchema{"foxglove.LaserScan", Encoding::kProtobuf, 0, {}},
+                                 Invoke::kSerial, [](const RawMessage&) {});
   const Subscription misspelled = session.FromAny<Log>("scan_frotn", Invoke::kSerial, [](const Log&) {});
   const Subscription slow =
       session.FromAny<Log>("status", Invoke::kSerial, [](const Log&) { test::Linger(std::chrono::milliseconds(40)); },
@@ -74,7 +78,26 @@ TEST(HgrosDoctor, FindsFaultsOfChannelsNodesAndThreads) {
   EXPECT_EQ(text.status, 1);
   EXPECT_THAT(text.out, AllOf(HasSubstr("Node control_of_the_arm of patrol:"),
                               HasSubstr("should have the real-time priority 10, but its thread has none."),
-                              HasSubstr("ulimit -r 10"), HasSubstr("publishes foxglove.Log on \"odd\", but desk:")));
+                              HasSubstr("ulimit -r 10"), HasSubstr("publishes foxglove.Log on \"odd\", but desk:"),
+                              HasSubstr("publishes foxglove.Log on \"odder\", but desk:")));
+}
+
+TEST(HgrosDoctor, NamesTheNodeForWhichOthersWait) {
+  RobotForCommands robot("patrol", {}, "data_graph: {threads: 1}");
+  Session& session = robot.session();
+  const auto publish = session.Advertise<Log>("image");
+  const Subscription slow =
+      session.FromAny<Log>("image", Invoke::kSerial, [](const Log&) { test::Linger(std::chrono::milliseconds(30)); },
+                           {.name = "detect", .queue = Queue::Latest()});
+  const NodeTimer timer = session.CreateTimer("control", std::chrono::milliseconds(10),
+                                              [&](const Tick&) { publish(std::make_unique<Log>()); });
+  CommandEnd end;
+  EXPECT_TRUE(test::Await([&] {
+    end = robot.Run(Patiently({"doctor"}));
+    return end.out.find("waits for its turn") != std::string::npos;
+  })) << end.out;
+  EXPECT_THAT(end.out, testing::ContainsRegex("patrol:[0-9]+ control waits for its turn, because patrol:[0-9]+ detect "
+                                              "keeps a worker of the session for "));
 }
 
 }  // namespace

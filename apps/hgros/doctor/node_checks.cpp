@@ -1,9 +1,11 @@
-// Callbacks that are too slow, queues that are full, callbacks that fail.
+// Callbacks that are too slow or keep others waiting, queues that are full, callbacks that fail.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "doctor/evidence.hpp"
 #include "terminal/units.hpp"
@@ -12,6 +14,8 @@ namespace hgros::cli {
 namespace {
 
 constexpr double kBusy = 0.9;  // Share of the time.
+constexpr double kOften = 0.25;
+constexpr std::int64_t kLongTurnNs = 5'000'000;
 
 // What a node did between the two readings.
 struct NodeWork {
@@ -69,12 +73,32 @@ void Check(const NodeWork& work, Findings& findings) {
   }
 }
 
+// A worker runs one callback at a time. `works` are the nodes of one session that share its workers.
+void CheckTurns(const std::vector<NodeWork>& works, Findings& findings) {
+  if (works.empty()) return;
+  const NodeWork& longest = *std::ranges::max_element(works, {}, &NodeWork::busy);
+  const std::int64_t turn_ns = longest.node->run_p50_ns();
+  if (longest.busy < kOften || turn_ns < kLongTurnNs) return;
+  const auto waits = [&](const NodeWork& work) {  // A queue of one drops what comes while it waits.
+    return work.run > 0 && work.busy < longest.busy / 2 &&
+           (work.node->wait_p50_ns() > turn_ns / 4 || work.dropped > work.run);
+  };
+  const auto waiting = std::ranges::find_if(works, waits);
+  if (waiting == works.end()) return;
+  findings.push_back(
+      {Severity::kWarning, "turns",
+       fmt::format("{} waits for its turn, because {} keeps a worker of the session for {} at a time.", waiting->name,
+                   longest.name, DurationText(turn_ns, false)),
+       "Give the longer one `executor: dedicated`, or the session more workers: data_graph: {threads: N}."});
+}
+
 }  // namespace
 
 void CheckNodes(const Evidence& evidence, Findings& findings) {
   for (const auto& [session, after] : evidence.after) {
     const double seconds = evidence.SecondsOf(session);
     if (seconds <= 0) continue;
+    std::vector<NodeWork> on_workers;
     for (const Snapshot::Channel& channel : after->channels()) {
       const Snapshot::Channel* earlier = CountersOf(evidence.before, session, channel.name());
       std::map<std::string, std::size_t> places;
@@ -92,8 +116,10 @@ void CheckNodes(const Evidence& evidence, Findings& findings) {
         work.failed = Growth(was->failed(), node.failed());
         work.busy = static_cast<double>(Growth(was->run_sum_ns(), node.run_sum_ns())) / 1e9 / seconds;
         Check(work, findings);
+        if (node.executor() == "tbb") on_workers.push_back(std::move(work));
       }
     }
+    CheckTurns(on_workers, findings);
   }
 }
 
