@@ -30,9 +30,10 @@ void RequireThere(const ParamNodePtr& root, const ParamPath& path, bool removes)
       removes ? "" : "To create it, pass IfMissing::kCreate.");
 }
 
-// Whether it comes from a command line or the environment; `text` is the argument then.
+// Whether `text` is an argument of a command line or the environment, as it was written.
 bool IsArgument(const ParamNode& node) {
-  return node.origin.source != nullptr && node.origin.line == 0 && !node.origin.at_run_time;
+  const bool whole = node.kind == ParamNode::Kind::kText || !node.text.empty();
+  return whole && node.origin.source != nullptr && node.origin.line == 0 && !node.origin.at_run_time;
 }
 
 }  // namespace

@@ -91,6 +91,7 @@ ParamNodePtr WithAt(const ParamNodePtr& node, const ParamPath& path, std::size_t
   };
   auto changed = std::make_shared<ParamNode>();
   if (node != nullptr) *changed = *node;
+  changed->text.clear();  // Of an argument, which this no longer is.
   if (const auto* const index = std::get_if<std::size_t>(&step)) {
     if (node == nullptr || node->kind != Kind::kList) fail("is not a list");
     if (*index >= node->items.size()) fail("has only " + std::to_string(node->items.size()) + " items");

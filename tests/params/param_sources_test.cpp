@@ -71,6 +71,15 @@ TEST_F(ParamSourcesTest, AnArgumentIsTheTextOfAParameterThatIsAText) {
   }
   ParamServer quoted({{}, {{"text", "\"[1, 2]\" # as in YAML", "--param text"}}});
   EXPECT_EQ(quoted.Declare("text", std::string()), "[1, 2]");
+  ParamServer below({{},
+                     {{"a.b", "1", "--param a.b"},
+                      {"c", "[1, 2]", "--param c"},
+                      {"c[0]", "5", "--param c[0]"},
+                      {"d", "{e: [1]}", "--param d"}}});
+  for (const char* path : {"a", "c", "d.e"}) {
+    EXPECT_NE(test::ErrorOf([&] { (void)below.Declare(path, std::string("x")); }).find("must be"), std::string::npos)
+        << path;
+  }
   const ParamServer undeclared({{}, {{"color", "#ff0000", "a"}, {"empty", "", "b"}, {"gains", "[1, 2]", "c"}}});
   EXPECT_EQ(undeclared.Get<std::string>("color"), "#ff0000");
   EXPECT_EQ(undeclared.Get<std::string>("empty"), "");

@@ -39,17 +39,17 @@ void Apply(OfferedParams& params, const std::vector<ParamChange>& changes, bool 
   if (records.size() == 0) console.Say("The parameters have these values already.");
 }
 
-ParamChange ChangeOf(OfferedParams& params, const std::string& path, const std::string& argument) {
+ParamChange ChangeOf(const std::vector<ParamDeclaration>& known, const std::string& path, const std::string& argument) {
+  const bool is_text = std::ranges::any_of(known, [whole = ParamPath::Parse(path).ToString()](const auto& one) {
+    return one.path == whole && one.type == "text";
+  });
+  if (is_text && !argument.starts_with('"') && !argument.starts_with('\'')) {
+    return {path, ParamNode::Text(argument, true)};
+  }
   // A server reads a value as a program reads its command line.
   const ParamServer reader({.overrides = {{"value", argument, "the value of " + path}}});
   const ParamNodePtr value = reader["value"].node();
-  if (value == nullptr) return {path, ParamNode()};
-  if (value->IsString()) return {path, *value};
-  const std::string whole = ParamPath::Parse(path).ToString();
-  const std::vector<ParamDeclaration> known = params.Declarations(path);
-  const bool is_text =
-      std::ranges::any_of(known, [&](const ParamDeclaration& one) { return one.path == whole && one.type == "text"; });
-  return {path, is_text ? ParamNode::Text(argument, true) : *value};
+  return {path, value == nullptr ? ParamNode() : *value};
 }
 
 class ParamSet final : public Command {
@@ -90,8 +90,9 @@ int ParamSet::Run(Surroundings& surroundings) {
     throw UsageError("The last parameter, " + words_.back() + ", has no value.");
   }
   OfferedParams params(robot, options_, named ? session_ : OnlyParamSession(robot));
+  const std::vector<ParamDeclaration> known = params.Declarations("");
   std::vector<ParamChange> changes;
-  for (std::size_t i = 0; i < words_.size(); i += 2) changes.push_back(ChangeOf(params, words_[i], words_[i + 1]));
+  for (std::size_t i = 0; i < words_.size(); i += 2) changes.push_back(ChangeOf(known, words_[i], words_[i + 1]));
   Apply(params, changes, create_, options_.style, surroundings.console);
   return kDone;
 }
