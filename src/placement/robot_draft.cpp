@@ -155,7 +155,8 @@ RobotFile RobotDraft::Read(bool read_key_files, std::string_view host) {
     return {};  // The misspelled key is reported.
   }
   const std::optional<Value> components = top.Find(kComponents);
-  if (!components && !top.Find("programs")) {
+  const std::optional<Value> programs = top.Find("programs");
+  if (!components && (!programs || programs->node().entries.empty())) {
     top.value().Fail("has no \"components\" and no \"programs\"",
                      "Add some: `components: {NAME: {type: PACKAGE/TYPE}}`.");
   }

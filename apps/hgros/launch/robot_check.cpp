@@ -25,12 +25,12 @@ bool IsProgram(const fs::path& file) {
   return fs::is_regular_file(file, error) && access(file.c_str(), X_OK) == 0;
 }
 
-// Looks for the command of a program of this host, as execvp() will.
-std::optional<RobotFinding> CommandFault(const RobotProgram& program) {
+// Looks for the command of a program here, as execvp() will.
+std::optional<RobotFinding> MissingCommand(const RobotProgram& program) {
   const std::string& name = program.command.front();
   const std::string shown = '"' + Visible(name) + '"';
   const auto finding = [&](std::string what, std::string fix) {
-    return RobotFinding{true, program.at, "Program \"" + program.name + "\" cannot be started: " + what,
+    return RobotFinding{false, program.at, "Program \"" + program.name + "\" cannot be started: " + what,
                         std::move(fix)};
   };
   if (name.find('/') != std::string::npos) {
@@ -72,8 +72,8 @@ CheckedRobot CheckRobot(const RobotFile& robot, const ComponentCatalog& catalog,
     }
   }
   for (const RobotProgram& program : robot.programs) {
-    if (!program.host.empty()) continue;
-    if (std::optional<RobotFinding> fault = CommandFault(program)) checked.findings.push_back(*std::move(fault));
+    if (!robot.hosts.empty()) break;  // They may run elsewhere.
+    if (std::optional<RobotFinding> missing = MissingCommand(program)) checked.findings.push_back(*std::move(missing));
   }
   IgnoreComments comments;
   for (RobotFinding& one : RobotGraph(robot, checked.descriptions).Check()) {
