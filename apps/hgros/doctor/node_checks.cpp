@@ -77,11 +77,14 @@ void Check(const NodeWork& work, Findings& findings) {
 void CheckTurns(const std::vector<NodeWork>& works, Findings& findings) {
   if (works.empty()) return;
   const NodeWork& longest = *std::ranges::max_element(works, {}, &NodeWork::busy);
-  const std::int64_t turn_ns = longest.node->run_p50_ns();
-  if (longest.busy < kOften || turn_ns < kLongTurnNs) return;
+  if (longest.busy < kOften || longest.run == 0) return;
+  const auto turn_ns =
+      static_cast<std::int64_t>(longest.busy * longest.seconds * 1e9 / static_cast<double>(longest.run));
+  if (turn_ns < kLongTurnNs) return;
   const auto waits = [&](const NodeWork& work) {  // A queue of one drops what comes while it waits.
-    return work.run > 0 && work.busy < longest.busy / 2 &&
-           (work.node->wait_p50_ns() > turn_ns / 4 || work.dropped > work.run);
+    const bool queued = work.before != nullptr && work.before->queued() > 0 && work.node->queued() > 0;
+    return work.run > 0 && work.busy < longest.busy / 2 && (queued || work.dropped > work.run) &&
+           work.node->wait_p99_ns() > turn_ns / 4;
   };
   const auto waiting = std::ranges::find_if(works, waits);
   if (waiting == works.end()) return;
