@@ -44,6 +44,7 @@ class Doctor final : public Command {
 
 Evidence Doctor::Look(Robot& robot) const {
   Evidence evidence;
+  evidence.domain = DomainOf(robot.session());
   evidence.before = robot.Counters();
   evidence.channels_before = robot.Channels(true);
   if (options_.Timeout(kLookTime) < kLookTime) {
@@ -101,8 +102,9 @@ void Doctor::Write(Console& console, const Findings& findings, const Evidence& e
   const auto sessions = evidence.after.size();
   const auto channels =
       std::ranges::count_if(evidence.channels, [](const KnownChannel& one) { return !IsInternal(one.name); });
-  if (sessions == 0 && evidence.channels.empty()) return console.Line(console.Styled(Style::kDim, NoSessions()));
-  std::string end = shown > 0 ? "" : fmt::format("Nothing is wrong. Sessions: {}, channels: {}.", sessions, channels);
+  std::string end = sessions == 0 && evidence.channels.empty() ? NoSessions(evidence.domain)
+                    : shown > 0                                ? ""
+                                : fmt::format("Nothing is wrong. Sessions: {}, channels: {}.", sessions, channels);
   if (hidden > 0) end += fmt::format("{}Notes: {} with --verbose.", end.empty() ? "" : " ", hidden);
   if (!end.empty()) console.Line(console.Styled(Style::kDim, end));
 }

@@ -41,7 +41,7 @@ class List final : public Command {
   void ListSessions(Robot& robot) const;
   void ListNodes(Robot& robot) const;
   void ListServices(Robot& robot) const;
-  void End(Records& records, const Robot& robot) const {
+  void End(Records& records, Robot& robot) const {
     records.End();
     if (records.size() == 0) SayNone(robot, what_);
   }

@@ -284,8 +284,11 @@ std::string TypeInFile(const std::string& file, Pause& pause) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return {};
   LineReader lines(file, MessageDocument::kMostJsonBytes);
-  const std::optional<std::string_view> line = lines.Next(pause, std::chrono::steady_clock::time_point::max());
-  if (!line || line->find_first_not_of(" \t\r") == std::string_view::npos) return {};
+  std::optional<std::string_view> line = "";
+  while (line && line->find_first_not_of(" \t\r") == std::string_view::npos) {
+    line = lines.Next(pause, std::chrono::steady_clock::time_point::max());
+  }
+  if (!line) return {};
   const MessageDocument document = MessageDocument::ParseJson(*line, lines.name(), lines.number());
   const yaml::Node* type = RecordedTime(document.root()) ? MemberOf(document.root(), "type") : nullptr;
   return type == nullptr ? std::string() : type->text;
@@ -327,11 +330,8 @@ int Pub::Run(Surroundings& surroundings) {
   if (options_.file.empty()) document = MessageDocument::Parse(options_.message, "message");
   const TypeFinder finder(options_.types);
   Robot robot(options_.robot, surroundings);
-  std::string given = options_.type;
-  if (given.empty() && ChannelNamed(robot, options_.channel).type_name.empty()) {
-    given = TypeInFile(options_.file, surroundings.pause);
-  }
-  const ChannelType type = TypeOfChannel(robot, options_.robot, finder, options_.channel, given);
+  const std::string recorded = options_.file.empty() ? "" : TypeInFile(options_.file, surroundings.pause);
+  const ChannelType type = TypeOfChannel(robot, options_.robot, finder, options_.channel, options_.type, recorded);
   if (document) ReadMessage(*document, *type.type->Read({}));  // Its faults come before the channel is announced.
   Publishing publishing(options_, robot, type);
   if (!publishing.AwaitSubscribers()) return kDone;

@@ -15,6 +15,7 @@ namespace hgros::cli {
 
 /// What the checks look at. Counters are read twice, so that only what happens now is reported.
 struct Evidence {
+  std::string domain;  ///< Of this command.
   std::vector<KnownChannel> channels;
   std::vector<KnownChannel> channels_before;
   AllCounters before;

@@ -141,8 +141,7 @@ void CheckGovernor(Findings& findings) {
                       "cpupower frequency-set -g performance, or schedutil."});
 }
 
-void CheckOtherDomains(Findings& findings) {
-  const std::string own = ChosenDomain();
+void CheckOtherDomains(const std::string& own, Findings& findings) {
   for (const DomainOnHost& domain : DomainsOnHost()) {
     const std::string folder = domain.folder.string();
     if (domain.stale > 0) {
@@ -179,7 +178,7 @@ void CheckSystem(const Evidence& evidence, Findings& findings) {
   }
   CheckBuffers(evidence, findings);
   CheckGovernor(findings);
-  CheckOtherDomains(findings);
+  CheckOtherDomains(evidence.domain, findings);
 }
 
 }  // namespace hgros::cli

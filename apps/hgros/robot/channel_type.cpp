@@ -122,7 +122,7 @@ std::string NearestChannel(const Robot& robot, const std::string& name) {
 }
 
 ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
-                          const std::string& channel, const std::string& given) {
+                          const std::string& channel, const std::string& given, const std::string& otherwise) {
   KnownChannel known;
   const auto has_type = [&] {
     known = ChannelNamed(robot, channel);
@@ -133,6 +133,7 @@ ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeF
   const std::string shown = service.empty() ? channel : "The service " + std::string(service);
   if (known.type_name.empty()) {
     if (!given.empty()) return TypeFrom(SchemaFor(finder.Require(given)));
+    if (!otherwise.empty()) return TypeFrom(SchemaFor(finder.Require(otherwise)));
     const std::string nearest = known.subscribers.empty() ? NearestChannel(robot, channel) : std::string();
     options.GiveUp("The type of " + shown + " is not known, because " +
                    (known.subscribers.empty() ? "no session uses it. " : "its subscribers take any type. ") +

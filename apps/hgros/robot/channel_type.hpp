@@ -21,10 +21,11 @@ struct ChannelType {
 [[nodiscard]] ChannelType TypeFrom(MessageSchema schema);
 
 /// The type of a channel that other sessions use, from its publishers, from other sessions that use it, or by its
-/// name from the files; without such sessions `given`. Waits for each of these descriptions at most a second, or
-/// --timeout. Throws Error or UsageError if the type is not known, or if it is not `given`.
+/// name from the files; without such sessions `given`, or else `otherwise`. Waits for each of these descriptions at
+/// most a second, or --timeout. Throws Error or UsageError if the type is not known, or if it is not `given`.
 [[nodiscard]] ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
-                                        const std::string& channel, const std::string& given);
+                                        const std::string& channel, const std::string& given,
+                                        const std::string& otherwise = {});
 
 /// Waits for `what`, such as "a server of ask", until `ready` is true, at most half a second or --timeout. A session
 /// that has just started is not found at once.

@@ -34,9 +34,9 @@ bool IsStale(const fs::path& file) {
 
 }  // namespace
 
-std::string ChosenDomain() {
+std::string DomainOf(const Session& session) {
   const char* chosen = std::getenv("HGROS_DOMAIN");
-  return chosen == nullptr || *chosen == '\0' ? "default" : chosen;
+  return chosen == nullptr || *chosen == '\0' ? session.config().discovery.domain : chosen;
 }
 
 // Folders of the registry as docs/deployment.md names them: FOLDER/DOMAIN/SESSION.
@@ -68,8 +68,7 @@ std::vector<DomainOnHost> DomainsOnHost() {
   return domains;
 }
 
-std::string NoSessions() {
-  const std::string own = ChosenDomain();
+std::string NoSessions(const std::string& own) {
   std::set<std::string> others;
   for (const DomainOnHost& domain : DomainsOnHost()) {
     if (domain.sessions > 0 && !domain.other_user && domain.name != own) others.insert(Visible(domain.name));
@@ -84,10 +83,11 @@ std::string NoSessions() {
   return text + ".";
 }
 
-void SayNone(const Robot& robot, std::string_view what) {
+void SayNone(Robot& robot, std::string_view what) {
+  const std::string own = DomainOf(robot.session());
   const bool somebody = !robot.Channels(true).empty();
-  robot.surroundings().console.Say(somebody ? "No " + std::string(what) + " in domain " + Visible(ChosenDomain()) + "."
-                                            : NoSessions());
+  robot.surroundings().console.Say(somebody ? "No " + std::string(what) + " in domain " + Visible(own) + "."
+                                            : NoSessions(own));
 }
 
 }  // namespace hgros::cli

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "hgros/session/session.hpp"
+
 namespace hgros::cli {
 
 class Robot;
@@ -24,11 +26,11 @@ struct DomainOnHost {
 
 /// The domains of all users that the registry folders of this host have.
 [[nodiscard]] std::vector<DomainOnHost> DomainsOnHost();
-/// The domain of this command.
-[[nodiscard]] std::string ChosenDomain();
-/// One sentence, or two: in which domain no sessions are, and in which domains there are some. Visible.
-[[nodiscard]] std::string NoSessions();
+/// The domain of this command, which has this session.
+[[nodiscard]] std::string DomainOf(const Session& session);
+/// One sentence, or two: that no sessions are in the domain `own`, and in which domains there are some. Visible.
+[[nodiscard]] std::string NoSessions(const std::string& own);
 /// Says that the robot has none of `what`, such as "nodes", or that no sessions are there at all.
-void SayNone(const Robot& robot, std::string_view what);
+void SayNone(Robot& robot, std::string_view what);
 
 }  // namespace hgros::cli
