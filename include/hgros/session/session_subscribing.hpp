@@ -46,8 +46,9 @@ class HGROS_EXPORT SessionSubscribing {
                         EraseCallback<RawMessage>(std::forward<F>(callback)), std::move(options));
   }
   /// The same for one type that the program names at run time. Others see it, so that `hgros pub` and `hgros doctor`
-  /// know it. Messages of another type come all the same and are reported; compare RawMessage::schema. Throws
-  /// TypeMismatch if this session uses the channel with another type, and Error if the schema cannot be used.
+  /// know it, unless this session subscribes to the channel already without a type. Messages of another type come all
+  /// the same and are reported; compare RawMessage::schema. Throws TypeMismatch if this session uses the channel with
+  /// another type, and Error if the schema cannot be used.
   template <CallbackFor<RawMessage> F>
   [[nodiscard("the callback is called only while the Subscription lives")]] Subscription FromAnyRaw(
       std::string_view channel, const MessageSchema& type, Invoke invoke, F&& callback, NodeOptions options = {},
