@@ -14,8 +14,8 @@
 #include "hgros/params/param_server.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "hosting/component_reports.hpp"
+#include "hosting/restart_pauses.hpp"
 #include "launch/kept_component.hpp"
-#include "launch/restart_pauses.hpp"
 
 namespace hgros::cli {
 

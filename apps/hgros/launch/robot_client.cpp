@@ -1,9 +1,12 @@
 #include "launch/robot_client.hpp"
 
 #include <chrono>
+#include <memory>
+#include <utility>
 
 #include "arguments/command.hpp"
 #include "hgros/base/error.hpp"
+#include "launch/robot_report.hpp"
 #include "launch/robot_socket.hpp"
 #include "terminal/console.hpp"
 #include "terminal/pause.hpp"
@@ -27,7 +30,13 @@ RobotReply::End AskRobot(const std::string& robot, const RobotRequest& request, 
     status.set_status(true);
     (void)AskRobot(robot, status, pause);
   }
-  const auto stream = ConnectToRobot(robot);
+  std::unique_ptr<MessageStream> stream;
+  try {
+    stream = ConnectToRobot(robot);
+  } catch (const Error&) {
+    if (auto end = AskReport(robot, request, hear)) return *std::move(end);
+    throw;
+  }
   const bool at_once = request.has_status() || (request.has_logs() && !request.logs().follow());
   const auto late =
       at_once ? std::chrono::steady_clock::now() + kAnswerPatience : std::chrono::steady_clock::time_point::max();

@@ -20,20 +20,13 @@
 #include "hgros/base/error.hpp"
 #include "hgros/base/names.hpp"
 #include "hgros/discovery/domain.hpp"
+#include "launch/robot_report.hpp"
 #include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
 
 constexpr const char* kListens = "00010000";  // Among the flags of /proc/net/unix.
-
-std::string DomainName() {
-  const char* set = std::getenv("HGROS_DOMAIN");
-  std::string domain(set != nullptr && *set != '\0' ? set : kDefaultDomain);
-  if (IsDomain(domain)) return domain;
-  throw Error("\"" + Visible(domain) + "\" cannot name a domain; HGROS_DOMAIN sets it.", {},
-              "Use 1 to 64 letters, digits, '_', '-' and '.', not beginning with a '.'.");
-}
 
 // The beginning of the names of all sockets of this user and domain.
 std::string SocketPrefix() { return "hgros-run/" + std::to_string(getuid()) + "/" + DomainName() + "/"; }
@@ -110,6 +103,14 @@ bool CanBeARobot(const std::string& name) {
 
 }  // namespace
 
+std::string DomainName() {
+  const char* set = std::getenv("HGROS_DOMAIN");
+  std::string domain(set != nullptr && *set != '\0' ? set : kDefaultDomain);
+  if (IsDomain(domain)) return domain;
+  throw Error("\"" + Visible(domain) + "\" cannot name a domain; HGROS_DOMAIN sets it.", {},
+              "Use 1 to 64 letters, digits, '_', '-' and '.', not beginning with a '.'.");
+}
+
 RobotSocket::RobotSocket(const std::string& name) {
   if (std::string fault = ChannelNameFault(name); !fault.empty() || name.find('/') != std::string::npos) {
     throw Error("\"" + name + "\" cannot be the name of a robot: " + (fault.empty() ? "it has a slash" : fault) + ".",
@@ -171,11 +172,20 @@ std::vector<std::string> RunningRobots() {
   return robots;
 }
 
-std::string RobotNamed(const std::string& wanted) {
+std::string RobotNamed(const std::string& wanted, bool may_have_ended) {
   const std::vector<std::string> robots = RunningRobots();
   const std::string where = " in the domain " + DomainName();
+  if (!wanted.empty() && std::ranges::find(robots, wanted) != robots.end()) return wanted;
+  if (!wanted.empty() || robots.empty()) {
+    const std::vector<std::string> ended = RobotsWithReport();
+    const auto found = wanted.empty() ? ended.begin() : std::ranges::find(ended, wanted);
+    if (found != ended.end() && may_have_ended) return *found;
+    if (found != ended.end()) {
+      throw Error("The robot \"" + *found + "\" has ended.", {},
+                  "`hgros logs --robot " + *found + "` shows why. Start it with `hgros run`.");
+    }
+  }
   if (!wanted.empty()) {
-    if (std::ranges::find(robots, wanted) != robots.end()) return wanted;
     const std::string nearest = NearestName(wanted, robots);
     throw Error("No robot \"" + wanted + "\" was started here by this user" + where + ".", {},
                 nearest.empty() ? "`hgros ps` lists those that run." : "Did you mean \"" + nearest + "\"?");

@@ -32,11 +32,15 @@ class RobotSocket {
   int spare_ = -1;
 };
 
+/// The domain of the robots that commands speak of, by the variable HGROS_DOMAIN. Throws Error.
+[[nodiscard]] std::string DomainName();
+
 /// The names of the robots that run, sorted.
 [[nodiscard]] std::vector<std::string> RunningRobots();
 
-/// The name of the robot that a command means: `wanted`, or the only one that runs. Throws Error.
-[[nodiscard]] std::string RobotNamed(const std::string& wanted);
+/// The name of the robot that a command means: `wanted`, or the only one that runs. With `may_have_ended`, also one
+/// that has left a report: `wanted`, or the last one if none runs. Throws Error.
+[[nodiscard]] std::string RobotNamed(const std::string& wanted, bool may_have_ended = false);
 
 /// Connects to a robot. Throws Error if it does not run.
 [[nodiscard]] std::unique_ptr<MessageStream> ConnectToRobot(const std::string& name);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "hgros/placement/robot_file.hpp"
-#include "launch/restart_pauses.hpp"
+#include "hosting/restart_pauses.hpp"
 #include "launch/robot_graph.hpp"
 #include "launch/run.pb.h"
 #include "processes/unit_process.hpp"

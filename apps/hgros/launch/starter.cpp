@@ -73,7 +73,7 @@ int Starter::Run() {
     if (surroundings_.pause.signaled_again() && !std::exchange(at_once_, true)) kill_at_ = Clock::now();
     if (ending_) EndNext();
   }
-  clients_.TellEnd(code_);
+  clients_.TellEnd(code_, options_.keeps_report);
   log_.End();
   return code_;
 }

@@ -30,6 +30,7 @@ struct StarterOptions {
   std::string name;                       ///< Of the robot, for commands.
   bool json = false;                      ///< Everything as one JSON object per line.
   bool verbose = false;                   ///< Also lines of the level debug.
+  bool keeps_report = false;              ///< Leaves a report for commands when everything has ended.
   std::function<void()> on_running = {};  ///< Called once everything runs.
   const RemoteUnits* remote = nullptr;    ///< Starts what runs on other hosts; null: all is started here. Borrowed.
   /// Called when a component runs in another process from now on. `graph` and `remote` must see it.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "arguments/command.hpp"
-#include "hgros/base/names.hpp"
+#include "launch/robot_report.hpp"
 #include "launch/starter.hpp"
 
 namespace hgros::cli {
@@ -20,8 +20,13 @@ constexpr std::chrono::milliseconds kUnreadPatience{200};  // For commands that 
 
 }  // namespace
 
+StarterClients::StarterClients(Starter& starter, const std::string& name)
+    : starter_(starter), name_(name), socket_(std::in_place, name) {
+  RemoveReport(name);
+}
+
 void StarterClients::AddTo(std::vector<pollfd>& watched) {
-  if (socket_.HasSpare()) watched.push_back({socket_.descriptor(), POLLIN, 0});
+  if (socket_->HasSpare()) watched.push_back({socket_->descriptor(), POLLIN, 0});
   for (const Client& client : clients_) {
     const auto events = static_cast<short>(client.stream->unsent() > 0 ? POLLIN | POLLOUT : POLLIN);
     watched.push_back({client.stream->descriptor(), events, 0});
@@ -40,12 +45,12 @@ void StarterClients::Serve() {
   }
   clients_.remove_if([](const Client& client) { return client.gone; });
   // Now, so that those that have gone take no place.
-  while (auto stream = socket_.Accept()) {
+  while (auto stream = socket_->Accept()) {
     clients_.push_back({std::move(stream)});
     if (clients_.size() > kMostClients) {
       RefuseLast("serves " + std::to_string(kMostClients) +
                  " commands, and no more. End some, such as `hgros wait` and `hgros logs -f`.");
-    } else if (!socket_.HasSpare()) {
+    } else if (!socket_->HasSpare()) {
       RefuseLast("can open no more files. Raise the limit of its hgros run (ulimit -n), or end other commands.");
     }
   }
@@ -60,13 +65,7 @@ void StarterClients::RefuseLast(const std::string& why) {
 
 void StarterClients::Take(Client& client, const RobotRequest& request) {
   switch (request.request_case()) {
-    case RobotRequest::kStatus:
-      for (const RobotReply::Unit& unit : starter_.statuses()) {
-        RobotReply reply;
-        *reply.mutable_unit() = unit;
-        client.stream->Add(reply);
-      }
-      return SendEnd(client, kDone);
+    case RobotRequest::kStatus: SendUnits(client); return SendEnd(client, kDone);
     case RobotRequest::kLogs: return TakeLogs(client, request.logs());
     case RobotRequest::kStop: client.waits_for_end = true; return starter_.Stop();
     case RobotRequest::kWait: client.waits_for_end = true; return;
@@ -79,20 +78,9 @@ void StarterClients::Take(Client& client, const RobotRequest& request) {
   }
 }
 
-std::string StarterClients::Unknown(const std::string& name) const {
-  std::vector<std::string> names;
-  for (const RobotReply::Unit& unit : starter_.statuses()) {
-    names.push_back(unit.name());
-    for (const RobotReply::Component& one : unit.components()) names.push_back(one.name());
-  }
-  const std::string nearest = NearestName(name, names);
-  return "The robot has no component, process or program \"" + name + "\"." +
-         (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?");
-}
-
 void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
   for (const std::string& name : logs.names()) {
-    if (starter_.UnitOf(name).empty()) return SendEnd(client, kFailed, Unknown(name));
+    if (starter_.UnitOf(name).empty()) return SendEnd(client, kFailed, UnknownAmong(starter_.statuses(), name));
     client.names.insert(name);
   }
   for (const LogLine& line : starter_.lines().all()) {
@@ -104,7 +92,7 @@ void StarterClients::TakeLogs(Client& client, const RobotRequest::Logs& logs) {
 
 void StarterClients::TakeRestart(Client& client, const std::string& name) {
   const std::string unit = starter_.UnitOf(name);
-  if (unit.empty()) return SendEnd(client, kFailed, Unknown(name));
+  if (unit.empty()) return SendEnd(client, kFailed, UnknownAmong(starter_.statuses(), name));
   if (!starter_.released()) {
     return SendEnd(client, kFailed, "The robot still starts, or ends already. `hgros ps` shows when it runs.");
   }
@@ -157,6 +145,14 @@ void StarterClients::AnswerRestart(Client& client) {
   }
 }
 
+void StarterClients::SendUnits(Client& client) const {
+  for (const RobotReply::Unit& unit : starter_.statuses()) {
+    RobotReply reply;
+    *reply.mutable_unit() = unit;
+    client.stream->Add(reply);
+  }
+}
+
 bool StarterClients::Wants(const Client& client, const LogLine& line) {
   return client.names.empty() || client.names.contains(line.process) || client.names.contains(line.component);
 }
@@ -202,7 +198,18 @@ void StarterClients::SendLeftOut(Client& client) {
   SendLine(client, said);
 }
 
-void StarterClients::TellEnd(int code) {
+void StarterClients::WriteReport(int code) const {
+  Client report{BeginReport(name_)};
+  if (report.stream == nullptr) return;
+  SendUnits(report);
+  for (const LogLine& line : starter_.lines().all()) SendLine(report, line);
+  SendEnd(report, code);
+  report.stream->Write() ? KeepReport(name_) : RemoveReport(name_);
+}
+
+void StarterClients::TellEnd(int code, bool keeps_report) {
+  if (keeps_report) WriteReport(code);
+  socket_.reset();  // What is asked from now on is answered by the report.
   const auto late = std::chrono::steady_clock::now() + kUnreadPatience;
   for (Client& client : clients_) {
     SendLeftOut(client);

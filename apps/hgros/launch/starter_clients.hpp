@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <list>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -23,8 +24,8 @@ class Starter;
 /// Threading: one thread.
 class StarterClients {
  public:
-  /// Throws Error if a robot of that name runs. Borrows the starter.
-  StarterClients(Starter& starter, const std::string& name) : starter_(starter), name_(name), socket_(name) {}
+  /// Removes the report of an earlier robot of that name. Throws Error if one runs. Borrows the starter.
+  StarterClients(Starter& starter, const std::string& name);
 
   /// Adds what Serve() waits for.
   void AddTo(std::vector<pollfd>& watched);
@@ -32,8 +33,8 @@ class StarterClients {
   void Serve();
   /// Tells a new line to those that follow the log.
   void Tell(const LogLine& line);
-  /// Everything has ended.
-  void TellEnd(int code);
+  /// Everything has ended. Commands reach this robot no more, but perhaps its report.
+  void TellEnd(int code, bool keeps_report);
 
  private:
   struct Client {
@@ -52,13 +53,13 @@ class StarterClients {
   };
 
   void RefuseLast(const std::string& why);
-  // That it names nothing of the robot.
-  [[nodiscard]] std::string Unknown(const std::string& name) const;
   void Take(Client& client, const RobotRequest& request);
   void TakeLogs(Client& client, const RobotRequest::Logs& logs);
   void TakeRestart(Client& client, const std::string& name);
   void AnswerRestart(Client& client);
   void AnswerMove(Client& client);
+  void SendUnits(Client& client) const;
+  void WriteReport(int code) const;
   static bool Wants(const Client& client, const LogLine& line);
   static void SendLeftOut(Client& client);
   static void SendLine(Client& client, const LogLine& line);
@@ -66,7 +67,7 @@ class StarterClients {
 
   Starter& starter_;
   const std::string name_;
-  RobotSocket socket_;
+  std::optional<RobotSocket> socket_;  // Until TellEnd().
   std::list<Client> clients_;
 };
 

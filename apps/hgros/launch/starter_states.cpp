@@ -50,11 +50,12 @@ std::vector<RobotReply::Unit> Starter::statuses() const {
     if (options_.remote != nullptr) told.set_host(unit.setup->host);
     told.set_restarts(unit.starts == 0 ? 0 : unit.starts - 1);
     const bool ends = unit.running != nullptr && (unit.again || unit.stage == Stage::kEnds);
-    told.set_state(ends                            ? "ending"
-                   : unit.stage == Stage::kRunning ? "running"
-                   : unit.running != nullptr       ? "starting"
-                   : unit.stage == Stage::kWaits   ? (unit.unreached ? "unreachable" : "waiting")
-                                                   : ShortEndText(unit.status));
+    told.set_state(ends                                      ? "ending"
+                   : unit.stage == Stage::kRunning           ? "running"
+                   : unit.running != nullptr                 ? "starting"
+                   : unit.stage == Stage::kWaits && !ending_ ? (unit.unreached ? "unreachable" : "waiting")
+                   : unit.starts == 0                        ? "not started"
+                                                             : ShortEndText(unit.status));
     if (unit.running != nullptr) {
       told.set_pid(unit.running->pid());
       told.set_seconds(std::chrono::duration<double>(Clock::now() - unit.started).count());

@@ -29,7 +29,7 @@ namespace {
 constexpr std::size_t kMostLineBytes = 8192;
 constexpr std::size_t kPipeBytes = 1U << 20U;  // Of output that waits for the starter.
 // Then the others have their turn: a program that prints faster than it is read would hold up all.
-constexpr std::size_t kMostBytesAtOnce = 1U << 16U;
+constexpr std::size_t kMostReadBytes = 1U << 16U;
 constexpr int kNotStarted = 127;  // As shells say it.
 
 [[noreturn]] void RefuseStart(const RobotUnit& unit) {
@@ -139,7 +139,7 @@ UnitProcess::~UnitProcess() {
 
 void UnitProcess::ReadOutput(const std::function<void(std::string_view)>& hear) {
   std::array<char, 16384> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  std::size_t left = ended_ ? kPipeBytes : kMostBytesAtOnce;
+  std::size_t left = ended_ ? kPipeBytes : kMostReadBytes;
   while (output_ >= 0 && left > 0) {
     const ssize_t more = read(output_, buffer.data(), std::min(buffer.size(), left));
     if (more < 0 && errno == EINTR) continue;

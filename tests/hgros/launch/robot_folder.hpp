@@ -37,7 +37,10 @@ class RobotFolder {
   [[nodiscard]] std::filesystem::path path(const std::string& name) const { return folder_ / name; }
   [[nodiscard]] std::string domain() const { return folder_.path().filename(); }
   [[nodiscard]] std::map<std::string, std::string> environment() const {
-    return {{"HGROS_COMPONENT_PATH", manifests_}, {"HGROS_DOMAIN", domain()}, {"FOLDER", folder_.path()}};
+    return {{"HGROS_COMPONENT_PATH", manifests_},
+            {"HGROS_DOMAIN", domain()},
+            {"FOLDER", folder_.path()},
+            {"XDG_STATE_HOME", path("state")}};
   }
   std::string Write(const std::string& name, const std::string& text) const { return folder_.Write(name, text); }
   [[nodiscard]] std::string Read(const std::string& name) const { return folder_.Read(name); }

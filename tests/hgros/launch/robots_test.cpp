@@ -102,7 +102,27 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStoppedAlsoBesideAnother) {
     EXPECT_EQ(refused.status, 1) << domain;
     EXPECT_THAT(refused.err, HasSubstr("HGROS_DOMAIN sets it")) << domain;
   }
-  EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("No robot was started here by this user in the domain"));
+  EXPECT_THAT(robot.Ask({"stop"}).err,
+              HasSubstr("The robot \"robot\" has ended. `hgros logs --robot robot` shows why"));
+  EXPECT_THAT(RunToEnd({"stop"}, OwnDomain()).err, HasSubstr("No robot was started here by this user in the domain"));
+}
+
+TEST(HgrosRobots, ADetachedRobotThatDiesLeavesItsReportUntilItsNextStart) {
+  const DetachedRobot robot("components: {a: {type: relay/Does}}\n");
+  ASSERT_EQ(kill(PidsIn(robot.started()).at(0), SIGKILL), 0);
+  ASSERT_TRUE(test::Await([&] { return robot.Ask({"ps"}).err.find("`hgros ps --all` lists") != std::string::npos; }));
+  const CommandEnd wait = robot.Ask({"wait"});
+  EXPECT_EQ(wait.status, 1);
+  EXPECT_THAT(wait.err, HasSubstr("main: ended by SIGKILL"));
+  const CommandEnd logs = robot.Ask({"logs", "main", "-f"});
+  EXPECT_THAT(logs, Ends(0, HasSubstr("The robot \"robot\" ended on 20")));
+  EXPECT_THAT(logs.out, AllOf(HasSubstr("I run."), HasSubstr("The process has failed: it was ended by SIGKILL.")));
+  EXPECT_THAT(robot.Ask({"logs", "b"}).err, HasSubstr("no component, process or program \"b\""));
+  EXPECT_THAT(robot.Ask({"ps", "--all"}).out, ContainsRegex("robot  a +relay/Does +main +-? +ended by SIGKILL"));
+  EXPECT_EQ(robot.Run({"--detach"}).status, 0);
+  EXPECT_THAT(robot.Ask({"logs"}).out, Not(HasSubstr("SIGKILL")));
+  EXPECT_EQ(robot.Ask({"stop"}).status, 0);
+  EXPECT_THAT(robot.Ask({"wait"}), Ends(0, HasSubstr("main: ended\n")));
 }
 
 TEST(HgrosRobots, ADetachedRobotRunsWhenItsCommandReturns) {

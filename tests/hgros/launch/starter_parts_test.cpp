@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "hosting/restart_pauses.hpp"
 #include "launch/log_lines.hpp"
-#include "launch/restart_pauses.hpp"
 
 namespace hgros::cli {
 namespace {

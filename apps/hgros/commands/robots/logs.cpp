@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -7,6 +9,7 @@
 #include "launch/robot_client.hpp"
 #include "launch/robot_socket.hpp"
 #include "terminal/console.hpp"
+#include "terminal/visible_text.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -24,7 +27,8 @@ class LogsCommand final : public Command {
     arguments.Flag("--json", json_, "One JSON object per line");
   }
   [[nodiscard]] std::string Description() const override {
-    return "Shows the newest lines of a robot's log: up to 2,000, which `hgros run` keeps in memory.";
+    return "Shows the newest lines of a robot's log: up to 2,000, which `hgros run` keeps in memory. Those of a "
+           "detached robot that has ended stay until it is started again.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros logs mapper", "Shows what the mapper has logged."},
@@ -51,8 +55,16 @@ int LogsCommand::Run(Surroundings& surroundings) {
     if (line.level == LogLevel::kDebug && !verbose_) return;
     surroundings.console.Line(json_ ? LineJson(line) : LineText(surroundings.console, line, kNameWidth));
   };
-  const RobotReply::End end = AskRobot(RobotNamed(robot_), request, surroundings.pause, show);
+  const std::string robot = RobotNamed(robot_, true);
+  const RobotReply::End end = AskRobot(robot, request, surroundings.pause, show);
   if (!end.sentence().empty()) throw Error(end.sentence());
+  if (end.ended_s() == 0) return kDone;
+  const std::time_t ended = end.ended_s();
+  tm parts{};
+  (void)localtime_r(&ended, &parts);
+  std::array<char, 32> when{};
+  (void)std::strftime(when.data(), when.size(), "%Y-%m-%d %H:%M:%S", &parts);
+  surroundings.console.Say("The robot \"" + Visible(robot) + "\" ended on " + when.data() + ".");
   return kDone;
 }
 

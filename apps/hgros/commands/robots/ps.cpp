@@ -5,6 +5,7 @@
 
 #include "commands/commands.hpp"
 #include "launch/robot_client.hpp"
+#include "launch/robot_report.hpp"
 #include "launch/robot_socket.hpp"
 #include "terminal/records.hpp"
 #include "terminal/units.hpp"
@@ -15,13 +16,17 @@ namespace {
 
 class PsCommand final : public Command {
  public:
-  void Declare(Arguments& arguments) override { arguments.Flag("--json", style_.json, "One JSON object per line"); }
+  void Declare(Arguments& arguments) override {
+    arguments.Flag("-a,--all", all_, "Also detached robots that have ended, until they are started again");
+    arguments.Flag("--json", style_.json, "One JSON object per line");
+  }
   [[nodiscard]] std::string Description() const override {
     return "Lists the components and programs of the robots that `hgros run` has started on this host, for this user "
            "and HGROS_DOMAIN.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
-    return {{"hgros ps", "Lists all of them."}, {"hgros ps --json", "The same for a script."}};
+    return {{"hgros ps", "Lists all of them."},
+            {"hgros ps --all --json", "The same for a script, with those that ended."}};
   }
   int Run(Surroundings& surroundings) override;
 
@@ -29,6 +34,7 @@ class PsCommand final : public Command {
   void Add(Records& records, const std::string& robot, const RobotReply::Unit& unit) const;
 
   OutputStyle style_;
+  bool all_ = false;
 };
 
 void PsCommand::Add(Records& records, const std::string& robot, const RobotReply::Unit& unit) const {
@@ -59,7 +65,12 @@ int PsCommand::Run(Surroundings& surroundings) {
                    {"seconds", "FOR", true},
                    {"host", ""}});
   int code = kDone;
-  for (const std::string& robot : RunningRobots()) {
+  std::vector<std::string> robots = RunningRobots();
+  const std::vector<std::string> ended = RobotsWithReport();
+  for (const std::string& robot : ended) {
+    if (all_ && std::ranges::find(robots, robot) == robots.end()) robots.push_back(robot);
+  }
+  for (const std::string& robot : robots) {
     RobotRequest request;
     request.set_status(true);
     try {
@@ -77,7 +88,10 @@ int PsCommand::Run(Surroundings& surroundings) {
   }
   records.End();
   if (code != kDone) return code;
-  if (records.size() == 0 && !style_.json) surroundings.console.Say("No robot runs. Start one with `hgros run`.");
+  if (records.size() == 0 && !style_.json) {
+    surroundings.console.Say(ended.empty() ? "No robot runs. Start one with `hgros run`."
+                                           : "No robot runs. `hgros ps --all` lists those that have ended.");
+  }
   return kDone;
 }
 

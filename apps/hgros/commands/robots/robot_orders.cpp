@@ -4,7 +4,9 @@
 
 #include "commands/commands.hpp"
 #include "launch/robot_client.hpp"
+#include "launch/robot_report.hpp"
 #include "launch/robot_socket.hpp"
+#include "terminal/console.hpp"
 #include "terminal/progress.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -96,13 +98,24 @@ class MoveCommand final : public Command {
   std::string robot_;
 };
 
+void SayEnds(Console& console, const RobotReply::Unit& unit) {
+  const auto say = [&](const std::string& name, const std::string& state) {
+    console.Say(Visible(name) + ": " + Visible(state));
+  };
+  say(unit.name(), unit.state());
+  for (const RobotReply::Component& one : unit.components()) {
+    if (!unit.program() && one.state() != unit.state()) say(one.name(), one.state());
+  }
+}
+
 class WaitCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
     arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kName, {}, false}, robot_);
   }
   [[nodiscard]] std::string Description() const override {
-    return "Waits until a robot has ended. The exit code is that of the robot: 1 if something has failed.";
+    return "Waits until a robot has ended. The exit code is that of the robot: 1 if something has failed. How each "
+           "part of a detached robot has ended is written, also if that was before.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros wait", "Waits for the only robot that runs."},
@@ -111,8 +124,12 @@ class WaitCommand final : public Command {
   int Run(Surroundings& surroundings) override {
     RobotRequest request;
     request.set_wait(true);
-    const RobotReply::End end = AskRobot(RobotNamed(robot_), request, surroundings.pause);
+    const std::string robot = RobotNamed(robot_, true);
+    const RobotReply::End end = AskRobot(robot, request, surroundings.pause);
     if (!end.sentence().empty()) throw Error(end.sentence());
+    RobotRequest status;
+    status.set_status(true);
+    (void)AskReport(robot, status, [&](const RobotReply& reply) { SayEnds(surroundings.console, reply.unit()); });
     return end.code();
   }
 

@@ -156,6 +156,7 @@ int RunCommand::Run(Surroundings& surroundings) {
   if (host_.empty() && !whole.hosts.empty()) {
     options_.remote = &remote.emplace(whole, RobotFile::Assemble(file_, options), networks, descriptions, catalog);
   }
+  options_.keeps_report = detach_;
   if (options_.name.empty()) options_.name = std::filesystem::path(file_).stem().string();
   const auto run = [&] {
     const int code = Starter(robot, graph, catalog, surroundings, options_).Run();
