@@ -91,11 +91,14 @@ HostedComponents::Clock::time_point HostedComponents::Work() {
   for (auto& [name, one] : hosted_) {
     if (one.moving) continue;
     bool restarts = false;
+    bool ends = false;
     {
       const std::scoped_lock lock(mutex_);
       restarts = one.restart_at <= Clock::now();
+      ends = one.ends;
     }
     if (restarts) Restart(one);
+    if (ends) EndForGood(one);
     if (one.save_at <= Clock::now()) {
       Save(one);
       one.save_at = std::max(one.save_at + one.setup->checkpoint, Clock::now());
@@ -195,9 +198,10 @@ bool HostedComponents::PlanRestart(Hosted& one, const ComponentStatus& status) {
   const bool wanted = (status.state == ComponentState::kFailed && policy != ComponentRestart::kNever) ||
                       (threw && policy >= ComponentRestart::kOnException) ||
                       (late && policy == ComponentRestart::kOnDeadline);
-  if (!wanted || one.restart_at != Clock::time_point::max()) return false;
+  if (!wanted || one.given_up || one.restart_at != Clock::time_point::max()) return false;
   const std::optional<std::chrono::milliseconds> pause = one.pauses.Next(Clock::now());
   one.given_up = !pause;
+  one.ends = !pause && threw && status.state != ComponentState::kFailed;
   if (!pause) return false;
   one.restart_at = Clock::now() + *pause;
   return true;
@@ -280,7 +284,19 @@ void HostedComponents::Forget(Hosted& one) {
   one.state = ComponentState::kWired;
   one.exceptions = one.late = 0;
   one.restart_at = Clock::time_point::max();
-  one.given_up = false;
+  one.given_up = one.ends = false;
+}
+
+// A callback that throws each time would fill the log.
+void HostedComponents::EndForGood(Hosted& one) {
+  const std::string& name = one.setup->setup.name;
+  components_.End(name);
+  one.save_at = one.look_at = Clock::time_point::max();
+  {
+    const std::scoped_lock lock(mutex_);
+    one.ends = false;
+  }
+  Note({name, ComponentState::kFailed, "Its callbacks still throw exceptions."});
 }
 
 void HostedComponents::Restart(Hosted& one) {

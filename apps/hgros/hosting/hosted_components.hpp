@@ -86,6 +86,7 @@ class HostedComponents {
     RestartPauses pauses{};
     bool undeclared = false;  // It was said that it has not declared transforms.
     bool given_up = false;    // It is not constructed again, because that was too often.
+    bool ends = false;        // For that reason, and because its callbacks still throw.
     Clock::time_point restart_at = Clock::time_point::max();  // It is constructed again.
   };
 
@@ -99,6 +100,7 @@ class HostedComponents {
   void SayNotSaved(Hosted& one, const std::string& why);
   void Keep(Hosted& one, const std::shared_ptr<const RawMessage>& state);
   void Restart(Hosted& one);
+  void EndForGood(Hosted& one);
   void Forget(Hosted& one);
   // Whether it will be constructed again. mutex_ is held.
   [[nodiscard]] static bool PlanRestart(Hosted& one, const ComponentStatus& status);

@@ -261,10 +261,22 @@ void AComponentThatFailsIsConstructedAgainUntilItIsTooOften() {
   EXPECT_EQ(Times(end.out, "It is constructed again"), 5U);
 }
 
+void AComponentThatThrowsAgainAndAgainEndsWhenItIsTooOften() {
+  RunningRobot robot(
+      "components: {dark: {type: relay/Does, params: {what: throw always}, restart: on-exception}, other: {type: "
+      "relay/Does}}\n");
+  ASSERT_TRUE(robot.Prints("It has failed: Its callbacks still throw exceptions."));
+  EXPECT_EQ(Times(robot.out(), "It is constructed again"), 5U);
+  EXPECT_EQ(Times(robot.out(), "dark   I end."), 6U);
+  EXPECT_THAT(robot.Ask({"ps"}).out, AllOf(testing::ContainsRegex("dark +relay/Does +main +[0-9]+  failed +5"),
+                                           testing::ContainsRegex("other +relay/Does +main +[0-9]+  running +0")));
+}
+
 TEST(HgrosCheckpoint, ComponentsFailAndAreConstructedAgain) {
   test::AtOnce({AComponentThatCannotBeConstructedAgainEndsNoOther, ARestartOfOneComponentEndsWhenTheNextInstanceRuns,
                 ARestartOfAComponentWhoseProcessEndsAtThatMomentStartsItAgain,
-                AComponentThatFailsIsConstructedAgainUntilItIsTooOften});
+                AComponentThatFailsIsConstructedAgainUntilItIsTooOften,
+                AComponentThatThrowsAgainAndAgainEndsWhenItIsTooOften});
 }
 
 void ARestartOfAComponentThatHangsAtItsEndLosesNoState() {
