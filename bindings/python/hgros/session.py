@@ -133,12 +133,15 @@ class Session:
             # Every step is done, also after an exception such as KeyboardInterrupt. The last one is done first.
             with contextlib.ExitStack() as steps:
                 steps.callback(self._native.close)
+                handlers = list(self._handlers.values())
+                for service in (one for one in handlers if isinstance(one, Service)):
+                    steps.callback(service.end)  # After the callback that runs: it may be about to reply.
                 steps.callback(self._join, longest_wait_s)
                 if self._transforms is not None:
                     steps.callback(self._transforms._raw.end)
                 if self._params is not None:
                     steps.callback(self._params._raw.end)
-                for part in [*self._streams, *self._handlers.values()]:
+                for part in [*self._streams, *(one for one in handlers if not isinstance(one, Service))]:
                     steps.callback(part.close if isinstance(part, (Messages, Rate)) else part.end)
             self._closed = True
         finally:
