@@ -61,8 +61,6 @@ const TypeInfo& ChannelInlet::TypeToAsk() const noexcept {
   return own.encoding == Encoding::kNone || IsRunTimeType(own) ? AnyType() : own;
 }
 
-bool ChannelInlet::AsksForTooMuch() const noexcept { return TakesAny() && !IsAnyType(TypeToAsk()); }
-
 Fifo<InboundMessage> ChannelInlet::Leave() {
   Fifo<InboundMessage> left;
   {
@@ -104,6 +102,13 @@ void ChannelInlet::Detach() {
   // Messages that are published while there is no subscriber here do not count as lost.
   const std::scoped_lock lock(counts_mutex_);
   for (auto& [publisher, life] : lives_) life.NoteAway();
+}
+
+bool ChannelInlet::busy() { return (std::scoped_lock(transports_mutex_), transports_ && transports_->busy()); }
+
+void ChannelInlet::End() {
+  const std::scoped_lock lock(transports_mutex_);
+  if (transports_) transports_->End();
 }
 
 void ChannelInlet::SetDemand(const Demand& demand) {
@@ -338,11 +343,6 @@ void ChannelInlet::CompareOffers() {
       tell_misfit_(name, offer.from, "channel " + name + ": " + what);
     }
   }
-}
-
-void ChannelInlet::ForgetOffers() {
-  const std::scoped_lock lock(offers_mutex_);
-  offers_.clear();
 }
 
 std::shared_ptr<const MessageSchema> ChannelInlet::Schema() const {

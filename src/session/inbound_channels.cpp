@@ -158,12 +158,18 @@ void InboundChannels::Join(NetworkBridge& bridge) {
 
 void InboundChannels::Close() {
   std::vector<std::shared_ptr<ChannelInlet>> inlets;
+  NetworkBridge* bridge = nullptr;
   {
     const std::scoped_lock lock(mutex_);
     closed_ = true;
-    if (bridge_ != nullptr) bridge_->Leave();
+    bridge = bridge_;
     for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
   }
+  // While a callback runs, the goodbye waits for it. So the publishers hear of each end before, and wait for nobody.
+  const bool busy = std::ranges::any_of(inlets, [](const auto& inlet) { return inlet->busy(); });
+  if (bridge != nullptr && !busy) bridge->Leave();
+  for (const auto& inlet : inlets) inlet->End();
+  if (bridge != nullptr) bridge->Leave();
   for (const auto& inlet : inlets) inlet->Detach();
 }
 

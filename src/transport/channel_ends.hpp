@@ -116,6 +116,7 @@ class SubscribingEnd final : public InboundChannel {
       LeaveToParent(std::move(core_));
     } else {
       core_->Unwant(channel_);
+      channel_->Close();
     }
   }
 
@@ -125,6 +126,10 @@ class SubscribingEnd final : public InboundChannel {
     if (core_->IsChild()) return;
     channel_->SetDemand(demand);
     core_->ChangeDemand(channel_);
+  }
+  bool busy() const override { return channel_->busy(); }
+  void End() override {
+    if (!core_->IsChild()) core_->Unwant(channel_);
   }
 
  private:

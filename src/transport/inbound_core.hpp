@@ -58,6 +58,8 @@ class InboundCore {
   void SetDemand(const Demand& demand);
   /// After this, no call reaches the sink. Waits for calls inside, except the caller's own.
   void Close() { gate_.Close(); }
+  /// Whether Run() is in flight, which may last as long as a callback.
+  [[nodiscard]] bool busy() const { return (std::scoped_lock(mutex_), running_ > 0); }
 
   const std::string name;
   const std::string plain_topic;

@@ -209,6 +209,26 @@ TEST_P(TransportConformance, EndingASubscriptionWaitsForItsRun) {
   EXPECT_TRUE(finished);
 }
 
+TEST_P(TransportConformance, ASubscriptionMayEndForItsPublisherBeforeItsRunDoes) {
+  std::atomic<bool> started{false}, go_on{false};
+  ASSERT_TRUE(Join(kLossless, [&](Sink& sink) {
+    sink.hold_credit = true;
+    sink.answer = Accepted::kRunApart;
+    sink.on_run = [&] {
+      started = true;
+      EXPECT_TRUE(Eventually([&] { return go_on.load(); }));
+    };
+  }));
+  for (int i = 0; i < 8; ++i) ASSERT_EQ(out->Publish("x"), PublishStatus::kOk);
+  ASSERT_EQ(out->Publish("x"), PublishStatus::kFull);
+  ASSERT_TRUE(Eventually([&] { return started.load(); }));
+  EXPECT_TRUE(in->channel->busy());
+  in->channel->End();
+  EXPECT_TRUE(out->PublishSoon("y"));
+  go_on = true;
+  in->channel.reset();
+}
+
 TEST_P(TransportConformance, EverythingMayBeDestroyedUnderLoad) {
   for (int round = 0; round < test::Rounds(2, 5); ++round) {
     ASSERT_TRUE(Join(kRoomy, [](Sink& sink) { sink.answer = Accepted::kRunApart; }));

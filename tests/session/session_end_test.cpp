@@ -90,6 +90,35 @@ TEST_P(SessionEnd, SaysOnceThatASubscriberTakesNothing) {
   door.Open();
 }
 
+// The callbacks run on threads that receive, so the end of their subscriptions waits for them.
+TEST_P(SessionEnd, HoldsUpNoLosslessPublisherWhileCallbacksRun) {
+  Robot& talker = MakeTalker();
+  Robot& listener = MakeListener();
+  Door door;
+  std::atomic<int> held{0};
+  std::atomic<int> left{0};
+  const auto hold = [&](const Note&) {
+    ++held;
+    door.Pass();
+    ++left;
+  };
+  std::vector<Subscription> subscriptions;
+  std::vector<Publisher<Note>> publishers;
+  for (const char* channel : {"notes", "others"}) {
+    subscriptions.push_back(listener->FromAny<Note>(channel, kSerial, hold, Inline(Queue::KeepAll(1))));
+    publishers.push_back(talker->Advertise<Note>(channel));
+    ASSERT_TRUE(talker->WaitForSubscribers(channel, 1, kPatience));
+    ASSERT_TRUE(Await([&] { return publishers.back()(Note("x")) == PublishStatus::kFull; }));
+  }
+  ASSERT_TRUE(Await([&] { return held == 2; }));
+  std::jthread end([&] { listener.session.reset(); });
+  for (const Publisher<Note>& publish : publishers) {
+    EXPECT_TRUE(Await([&] { return publish(Note("y")) == PublishStatus::kOk; }));
+  }
+  EXPECT_EQ(left, 0);
+  door.Open();
+}
+
 // The talker reaches the listener through a cable that can break. The parameter: whether more is published then.
 class SessionEndWithoutConnection : public DomainFixture, public testing::WithParamInterface<bool> {
  protected:

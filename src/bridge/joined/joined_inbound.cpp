@@ -138,6 +138,16 @@ std::size_t JoinedInbound::publisher_count() const noexcept {
   return sum;
 }
 
+bool JoinedInbound::busy() const {
+  return std::ranges::any_of(Parts(), [](const auto& part) { return part->channel->busy(); });
+}
+
+void JoinedInbound::End() {
+  const std::scoped_lock lock(adding_);
+  no_more_parts_ = true;
+  for (const auto& part : Parts()) part->channel->End();
+}
+
 void JoinedInbound::SetDemand(const Demand& demand) {
   const std::scoped_lock lock(adding_);
   demand_ = demand;

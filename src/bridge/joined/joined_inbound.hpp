@@ -51,6 +51,9 @@ class JoinedInbound {
 
   [[nodiscard]] std::size_t publisher_count() const noexcept;
   void SetDemand(const Demand& demand);
+  /// As those of InboundChannel. They may not run during Close() or later, either.
+  [[nodiscard]] bool busy() const;
+  void End();
   /// Leaves the transports and waits for active calls into the sink, which may end afterwards. publisher_count() and
   /// SetDemand() may not run meanwhile or later; the other functions do nothing then.
   void Close();

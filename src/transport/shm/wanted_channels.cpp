@@ -19,16 +19,12 @@ void WantedChannels::Want(const std::shared_ptr<InboundCore>& core) {
 }
 
 void WantedChannels::Unwant(const std::shared_ptr<InboundCore>& core) {
-  Actions nobody_listens;
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = channels_.find(core->name);
-    if (found != channels_.end() && found->second == core) {
-      channels_.erase(found);
-      for (const auto& pair : pairs_.List()) RemoveLink(*pair, core->name, {}, nobody_listens);
-    }
-  }
-  core->Close();
+  Actions nobody_listens;  // Destroyed after the lock.
+  const std::scoped_lock lock(mutex_);
+  const auto found = channels_.find(core->name);
+  if (found == channels_.end() || found->second != core) return;
+  channels_.erase(found);
+  for (const auto& pair : pairs_.List()) RemoveLink(*pair, core->name, {}, nobody_listens);
 }
 
 void WantedChannels::ChangeDemand(const std::shared_ptr<InboundCore>& core) {

@@ -213,12 +213,9 @@ void ZmqCore::Want(const std::shared_ptr<InboundCore>& core) {
 }
 
 void ZmqCore::Unwant(const std::shared_ptr<InboundCore>& core) {
-  {
-    const std::unique_lock lock(mutex_);
-    Remove(inbound_, core);
-    for (const auto& endpoint : subscribers_) endpoint->Unsubscribe(core);
-  }
-  core->Close();
+  const std::unique_lock lock(mutex_);
+  Remove(inbound_, core);
+  for (const auto& endpoint : subscribers_) endpoint->Unsubscribe(core);
 }
 
 void ZmqCore::ChangeDemand(const std::shared_ptr<InboundCore>& core) {

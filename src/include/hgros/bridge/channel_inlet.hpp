@@ -52,9 +52,13 @@ class ChannelInlet final : public InboundSink {
   // destroy.
   [[nodiscard]] Fifo<InboundMessage> Leave();
   void Detach();
+  // Before Detach(), which waits for callbacks that run on threads of the transports: whether there are some, and to
+  // end the subscription without waiting.
+  [[nodiscard]] bool busy();
+  void End();
   void SetDemand(const Demand& demand);
   // The channel has got a type since Join() subscribed with any.
-  [[nodiscard]] bool AsksForTooMuch() const noexcept;
+  [[nodiscard]] bool AsksForTooMuch() const noexcept { return TakesAny() && !IsAnyType(TypeToAsk()); }
 
   Accepted Accept(InboundMessage&& message) noexcept override;
   void Run() noexcept override;
@@ -114,7 +118,7 @@ class ChannelInlet final : public InboundSink {
   [[nodiscard]] MessageInfo InfoOf(const InboundMessage& message, std::int64_t way_ns) const noexcept;
   [[nodiscard]] bool TakesAny() const noexcept { return IsAnyType(*type_.load(std::memory_order_acquire)); }
   [[nodiscard]] std::shared_ptr<const MessageSchema> SchemaOf(const InboundMessage& message);
-  void ForgetOffers();
+  void ForgetOffers() { return (std::scoped_lock(offers_mutex_), offers_.clear()); }
   [[nodiscard]] const TypeInfo& TypeToAsk() const noexcept;
   struct Offer {
     PeerInfo from;

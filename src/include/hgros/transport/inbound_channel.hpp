@@ -65,7 +65,7 @@ class InboundSink {
 };
 
 /// The subscribing end of one channel on one transport. Destroying it ends the subscription; the destructor waits for
-/// Accept() and Run() in flight unless it is called from within one.
+/// Accept() and Run() in flight unless it is called from within one. Run() may last as long as a callback of the user.
 class InboundChannel {
  public:
   virtual ~InboundChannel() = default;
@@ -75,6 +75,10 @@ class InboundChannel {
   [[nodiscard]] virtual bool Asks(SessionId /*publisher*/) const { return false; }
   /// Changes the demand on the publishers, from the next message on.
   virtual void SetDemand(const Demand& demand) = 0;
+  /// Whether Run() is in flight.
+  [[nodiscard]] virtual bool busy() const { return false; }
+  /// Ends the subscription without waiting: the publishers get their credit back. Only the destructor may follow.
+  virtual void End() {}
 };
 
 }  // namespace hgros
