@@ -71,6 +71,7 @@ void InboundChannels::ExpectNoMore(const std::string& channel) {
 }
 
 void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::iterator demand, bool raw) {
+  Fifo<InboundMessage> left;  // Destroyed after the lock.
   const std::scoped_lock lock(mutex_);
   if (closed_) return;
   Inflow& inflow = inflows_.at(channel);
@@ -80,7 +81,11 @@ void InboundChannels::Withdraw(const std::string& channel, std::list<Demand>::it
     if (inflow.joined) TellDemand(channel, inflow);
     if (!AsksForTooMuch(inflow)) return;
   }
-  if (inflow.joined && inflow.wanted.empty() && IsRequestChannel(channel)) inflow.missed = true;
+  if (inflow.joined && inflow.wanted.empty() && IsRequestChannel(channel)) {
+    inflow.missed = true;
+    // Not for a service that begins before that: the callers will hear that the last one has ended.
+    if (!inflow.busy) left = inflow.inlet->Leave();
+  }
   // Posted, because ending the inbound channel waits for its callbacks, and a callback may be ending this subscription.
   if (inflow.joined) means_.post([this, channel] { Reconcile(channel, true); });
 }
@@ -165,7 +170,8 @@ void InboundChannels::Close() {
     bridge = bridge_;
     for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
   }
-  // While a callback runs, the goodbye waits for it. So the publishers hear of each end before, and wait for nobody.
+  // While a callback runs, the goodbye waits for it. So the publishers hear of each end before, and wait for nobody:
+  // but for a callback that begins now.
   const bool busy = std::ranges::any_of(inlets, [](const auto& inlet) { return inlet->busy(); });
   if (bridge != nullptr && !busy) bridge->Leave();
   for (const auto& inlet : inlets) inlet->End();

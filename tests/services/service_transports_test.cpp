@@ -147,6 +147,40 @@ TEST_P(ServiceOverEveryTransport, EndsEveryCallAlthoughTheServiceIsServedAgainAt
   EXPECT_EQ(lost, 0);
 }
 
+// The thread that subscribes to the requests again is held, in a callback of an event.
+TEST_P(ServiceOverEveryTransport, ServedAgainRunsNoCallThatFailsBecauseTheLastOneHasEnded) {
+  if (GetParam() == "pointer") GTEST_SKIP() << "calls of one session go to the service directly";
+  Door errands;
+  Door door;
+  std::atomic<bool> held{false};
+  std::atomic<int> handled{0};
+  Service service = pair->server().Serve<Sum, Total>("add", Add);
+  ASSERT_TRUE((pair->caller().Call<Sum, Total>("add", Sum{2, 3}, kLong).Wait()));
+  const auto hold = [&](const PeerEvent& event) {
+    if (event.kind != PeerEvent::Kind::kTypeMismatch) return;
+    held = true;
+    errands.Pass();
+  };
+  const auto events = pair->server().FromGraph<PeerEvent>(kPeerEventsChannel, kSerial, hold, Inline());
+  const auto notes = pair->server().Advertise<Note>("odd");
+  const auto sums = pair->caller().FromAny<Sum>("odd", kSerial, [](const Sum&) {});
+  ASSERT_TRUE(Await([&] { return held.load(); }));
+  service.Reset();
+  service = pair->server().Serve<Sum, Total>("add", [&](const Sum& sum) {
+    ++handled;
+    door.Pass();
+    return Add(sum);
+  });
+  const auto call = pair->caller().Call<Sum, Total>("add", Sum{2, 3}, kLong);
+  (void)Await([&] { return handled > 0; }, std::chrono::milliseconds(200));  // It never is.
+  errands.Open();
+  EXPECT_EQ(call.Wait().failure().kind, Kind::kServerGone);
+  EXPECT_EQ(handled, 0);
+  door.Open();
+  EXPECT_TRUE(Await([&] { return bool(pair->caller().Call<Sum, Total>("add", Sum{2, 3}, kLong).Wait()); }));
+  service.Reset();
+}
+
 TEST_P(ServiceOverEveryTransport, FailsWithFullWhenTooManyRequestsWait) {
   Door door;
   std::atomic<int> handled{0};
