@@ -18,6 +18,7 @@
 #include "hgros/command_run.hpp"
 #include "hgros/help_examples.hpp"
 #include "hgros/proto_folder.hpp"
+#include "hgros/session/session_control.hpp"
 #include "hgros/transport/curve_key_pair.hpp"
 #include "support/path.hpp"
 
@@ -64,6 +65,24 @@ TEST(HgrosControl, ClosesAndOpensAChannelWhereItIsUsed) {
   const CommandEnd end = robot.Run({"control", "close", "scan", "--timeout", "40"});
   EXPECT_EQ(end.status, 1);
   EXPECT_THAT(end.out, AllOf(HasSubstr("is closed"), HasSubstr("its configuration says `control: off`")));
+}
+
+// A component that moves asks each subscriber whether it has what was published, and waits 200 ms for an answer.
+TEST(HgrosControl, ACommandThatReceivesAnswersToo) {
+  RobotForCommands robot("talker");
+  const auto scan = robot.session().Advertise<Log>("scan");
+  robot.AwaitAnnounced();
+  const CommandRun echo({"echo", "scan"}, robot.environment());
+  std::vector<SessionId> sessions;
+  ASSERT_TRUE(test::Await([&] {
+    for (const KnownChannel& channel : robot.session().Channels()) {
+      if (channel.name != "scan" || channel.subscribers.empty()) continue;
+      sessions.push_back(channel.subscribers.front().session);
+    }
+    return !sessions.empty();
+  }));
+  const auto answers = AskSessions(robot.session(), sessions, {ControlAction::kDescribe, "scan", {}}, test::kPatience);
+  EXPECT_TRUE(answers.at(0).answered);
 }
 
 TEST(HgrosControl, AsksAllSessionsThatAPatternMatchesAsInItsExamples) {

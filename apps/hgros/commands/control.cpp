@@ -35,9 +35,7 @@ struct Candidate {
            pattern == user.session.ToString();
   }
   // Another command of this kind.
-  [[nodiscard]] bool IsObserver() const {
-    return user.process == "hgros" && (counters == nullptr || counters->control() == 0);
-  }
+  [[nodiscard]] bool IsObserver() const { return user.process == "hgros"; }
 };
 
 class Control : public Command {

@@ -37,7 +37,6 @@ constexpr std::chrono::seconds kConnectTime{3};
 // endpoints belongs to the sessions of the robot. What the environment says is for this one, in a program of a robot.
 Config ConfigOf(const RobotOptions& options) {
   Config config;
-  config.control = false;
   const std::vector<std::filesystem::path> files(options.config.begin(), options.config.end());
   Config read = files.empty() ? Config::OfEnvironment() : Config::Load(files);
   config.subscribers = std::move(read.subscribers);
