@@ -62,7 +62,8 @@ class HGROS_EXPORT Session : public SessionPublishing,
   /// Calls `callback` every `period` of clock() while the NodeTimer lives, as a serial node of the data graph with that
   /// name. Jumps and pauses of the clock cause neither a burst nor a gap. Turns that come while the callback runs wait
   /// in NodeTimerOptions::queue; Tick::missed counts skipped turns. One thread fires all timers of the session. It
-  /// starts with the first timer and sleeps in between.
+  /// starts with the first timer and sleeps in between. The channel of a name stays until the session ends, so timers
+  /// that come and go take the same few names.
   /// Errors: throws Error if `period` is not above zero or another timer of the session has the name.
   [[nodiscard("the callback is called only while the NodeTimer lives")]] NodeTimer CreateTimer(
       std::string_view name, Duration period, TimerCallback callback, NodeTimerOptions options = {});
