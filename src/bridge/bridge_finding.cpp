@@ -20,7 +20,7 @@ constexpr auto kTimeForReader = std::chrono::microseconds(200);
 constexpr auto kShortestStart = std::chrono::milliseconds(5);
 constexpr auto kLongestStart = std::chrono::milliseconds(100);
 
-std::string NameOf(const Announcement& peer) { return SessionName(peer.session, peer.process, peer.pid); }
+std::string NameOf(const Announcement& peer) { return SessionName(peer.process, peer.pid); }
 
 }  // namespace
 

@@ -340,7 +340,9 @@ void ChannelInlet::CompareOffers() {
   }
   for (const Offer& offer : misfits) {
     if (const std::string what = MisfitOf(*offer.schema, type); !what.empty()) {
-      tell_misfit_(name, offer.from, "channel " + name + ": " + what);
+      const std::string& theirs = offer.schema->type_name;
+      const std::string both = " publishes " + theirs + ", this session subscribes to " + type.name;
+      tell_misfit_(name, offer.from, name + ": " + offer.from.name() + both + (theirs == type.name ? ": " + what : ""));
     }
   }
 }
@@ -368,9 +370,7 @@ void ChannelInlet::SayLost(const PublisherLife::Gap& lost, SessionId from) {
                          (from.value == 0 ? "their publisher is a plain program, which does not wait for subscribers."
                           : lost.cut ? "the connection to their publisher was lost, and they were published before "
                                        "it was back."
-                                     : "their publisher was connected, but could not send them. The log of "
-                                       "session " +
-                                           from.ToString() + " says why."));
+                                     : "their publisher was connected, but could not send them. Its log says why."));
 }
 
 void ChannelInlet::OnFault(PacketFault fault, std::string_view what) noexcept {

@@ -144,9 +144,8 @@ void HostPairs::ReportIfUnreached(SessionId peer, const PeerTransports::GivenUp&
   const Announcement own = means_.announcer.own();
   means_.log.WriteLimited(
       LogLevel::kWarning, "not reached on this host",
-      "Session " + SessionName(own.session, own.process, own.pid) + " found session " +
-          SessionName(peer, there.process, there.pid) + " on this host, but " +
-          means_.transports.NamesOf(given_up.missing) + " does not reach it: " + cause + ". " +
+      "Session " + SessionName(own.process, own.pid) + " found session " + SessionName(there.process, there.pid) +
+          " on this host, but " + means_.transports.NamesOf(given_up.missing) + " does not reach it: " + cause + ". " +
           (given_up.reached_by ? means_.transports.name(*given_up.reached_by) + " carries its messages."
                                : "No endpoint leads to it either: nothing passes between the two."));
 }

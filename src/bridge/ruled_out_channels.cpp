@@ -57,7 +57,7 @@ void RuledOutChannels::Report(const ChannelAnnouncement& there, const Announceme
   const auto zmq = means_.transports.Find(kZmqKey);
   means_.log.WriteLimited(LogLevel::kWarning, "ruled out",
                           "Nothing passes on channel \"" + there.channel + "\" between this session and " +
-                              SessionName(peer.session, peer.process, peer.pid) + ": " +
+                              SessionName(peer.process, peer.pid) + ": " +
                               (allowed.empty() ? "the `transports` here and there have nothing in common."
                                                : "its `transports` allow " + means_.transports.NamesOf(allowed) +
                                                      " only, which does not reach that session.") +

@@ -1,5 +1,6 @@
 #include "session/clock_follower.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <utility>
@@ -52,9 +53,7 @@ std::vector<Subscription> ClockFollower::Follow(const std::shared_ptr<FollowingC
 ClockFollower::ClockFollower(std::shared_ptr<FollowingClock> clock, std::shared_ptr<Log> log)
     : clock_(std::move(clock)), log_(std::move(log)), boot_id_(AnnouncementOfThisProcess({}, 0).boot_id) {}
 
-std::string ClockFollower::Heard::Name() const {
-  return Readable(publisher, 64) + " (session " + SessionId{session}.ToString() + ")";
-}
+std::string ClockFollower::Heard::Name() const { return Readable(publisher, 128); }
 
 // On the same host the transit time of the message is known. From other hosts it is taken as zero.
 ClockFollower::Heard ClockFollower::Hear(const SimulatedTime& time, std::uint64_t session) const {
@@ -64,6 +63,7 @@ ClockFollower::Heard ClockFollower::Hear(const SimulatedTime& time, std::uint64_
   heard.state.paused = time.paused() || time.ended();
   const bool same_host = !boot_id_.empty() && time.boot_id() == boot_id_ && time.steady_ns() <= heard.at_ns &&
                          time.steady_ns() > heard.at_ns - kLongestTransitNs;
+  if (same_host) heard.publisher.resize(std::min(heard.publisher.size(), heard.publisher.rfind('@')));
   heard.state.source = Time{same_host ? time.steady_ns() : heard.at_ns};
   return heard;
 }
@@ -136,7 +136,7 @@ void ClockFollower::SayIfNoneWasHeard() {
   log_->Write(
       LogLevel::kWarning,
       "No clock was heard on the channel \"clock\" so far, so the time of this session stands at 0 and its timers "
-      "wait. Start the program that publishes the clock (ClockPublisher), or remove `time: simulated`.");
+      "wait. Start the program that publishes the clock, or remove `time: simulated`.");
 }
 
 void ClockFollower::Set(const std::function<void()>& set) {

@@ -29,8 +29,9 @@ class ClockPublisher::Core {
   Core(Session& session, std::shared_ptr<SimulatedClock> clock)
       : clock_(std::move(clock)), publish_(session.Advertise<SimulatedTime>(kClockChannel, {.latched = 1})) {
     always_.set_clock_id(RandomId());
-    always_.set_publisher(session.name());
-    always_.set_boot_id(AnnouncementOfThisProcess(session.id(), 0).boot_id);
+    const Announcement here = AnnouncementOfThisProcess(session.id(), 0);
+    always_.set_publisher(session.NameOf(session.id()) + "@" + here.host);
+    always_.set_boot_id(here.boot_id);
     listening_ = clock_->OnChange([this] {
       {
         const std::scoped_lock lock(mutex_);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hgros/base/names.hpp"
+#include "hgros/base/session_name.hpp"
 
 namespace hgros {
 namespace {
@@ -164,8 +165,8 @@ void MisspelledNames::SayIfAlone(const std::string& channel, const std::vector<K
   means_.log->Write(LogLevel::kWarning, Quoted(channel) +
                                             (awaits ? " is subscribed to here, but nobody publishes it. "
                                                     : " is published here, but nobody subscribes to it. ") +
-                                            "Did you mean " + Quoted(nearest) + ", which " + user.process +
-                                            " (process " + std::to_string(user.pid) + ") " +
+                                            "Did you mean " + Quoted(nearest) + ", which " +
+                                            SessionName(user.process, user.pid, user.host) + " " +
                                             (awaits ? "publishes" : "subscribes to") + "?");
 }
 

@@ -1,7 +1,11 @@
 #include "hgros/session/session.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <utility>
 
+#include "hgros/base/session_name.hpp"
 #include "hgros/clock/time.hpp"
 #include "hgros/codec/run_time_type.hpp"
 #include "hgros/config/endpoint_check.hpp"
@@ -209,6 +213,12 @@ void SessionNetwork::WakeReceiver() const noexcept {
   if (NetworkBridge* const bridge = receiving_.load()) bridge->WakeReceiver();
 }
 std::vector<PeerInfo> SessionNetwork::Peers() const { return network_core_.Peers(); }
+std::string SessionNetwork::NameOf(SessionId session) const {
+  if (session == network_core_.id()) return SessionName(network_core_.name(), getpid());
+  const std::vector<PeerInfo> peers = Peers();
+  const auto peer = std::ranges::find(peers, session, &PeerInfo::id);
+  return peer == peers.end() ? session.ToString() : peer->name();
+}
 std::vector<KnownChannel> SessionNetwork::Channels() const { return network_core_.Channels(); }
 
 }  // namespace hgros

@@ -105,7 +105,7 @@ SessionCore::SessionCore(Config config, SessionOptions options)
   GraphEnding(*graph_).SetOnExit([this] { LeaveAtExit(); });
   timers_.emplace(clock_, *graph_, log_);
   for (const std::string& channel : config_.closed_channels) graph_->SetClosed(channel, true);
-  events_.emplace(SessionName(id_, name_, getpid()), *graph_, log_);
+  events_.emplace(SessionName(name_, getpid()), *graph_, log_);
   services_ = std::make_shared<Services>(static_cast<ServicePlace&>(*this), id_, log_);
   const auto own = [this] {
     const std::scoped_lock lock(mutex_);

@@ -45,9 +45,8 @@ void SessionEvents::ReportGone(ErrandThread& thread, const PeerInfo& peer, std::
 
 std::string SessionEvents::ReportTypeMismatch(ErrandThread& thread, const PeerInfo& peer, std::string_view channel,
                                               std::string_view what) noexcept {
-  std::string sentence = "Nothing passes between session " + self_ + " and session " + peer.name() +
-                         " on a channel that they use with different types, " + std::string(what) +
-                         ". Build both programs with one type, or give one of them another channel name.";
+  std::string sentence = std::string(what) + (what.ends_with('.') ? "" : ".") +
+                         " Use one type in both programs, or give one of the two another channel.";
   log_->WriteLimited(LogLevel::kError, "type mismatch " + std::string(channel), sentence);
   PublishPeer(thread, {PeerEvent::Kind::kTypeMismatch, peer, std::string(channel), sentence});
   return sentence;

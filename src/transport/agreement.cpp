@@ -91,10 +91,17 @@ TypeFit CompareTypes(const wire::ChannelType& theirs, const TypeInfo& ours) noex
   return ours.encoding == Encoding::kProtobuf ? TypeFit::kEvolved : TypeFit::kDiffer;
 }
 
-std::string DescribeMismatch(const wire::ChannelType& theirs, const TypeInfo& ours) {
-  return "channel " + Readable(theirs.channel(), kMaxTextBytes) + ": here " +
-         DescribeType(ours.name, static_cast<std::uint32_t>(ours.encoding), ours.fingerprint) + ", there " +
-         DescribeType(Readable(theirs.type_name(), kMaxTextBytes), theirs.encoding(), theirs.fingerprint());
+std::string DescribeMismatch(const wire::ChannelType& theirs, const PeerInfo& peer, const TypeInfo& ours,
+                             const PeerInfo& self, bool peer_publishes) {
+  std::string there = Readable(theirs.type_name(), kMaxTextBytes);
+  std::string here = ours.name;
+  if (there == here) {
+    there = DescribeType(there, theirs.encoding(), theirs.fingerprint());
+    here = DescribeType(here, static_cast<std::uint32_t>(ours.encoding), ours.fingerprint);
+  }
+  std::string text = Readable(theirs.channel(), kMaxTextBytes) + ": ";
+  return peer_publishes ? text + peer.name() + " publishes " + there + ", " + self.name() + " subscribes to " + here
+                        : text + self.name() + " publishes " + here + ", " + peer.name() + " subscribes to " + there;
 }
 
 std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo& ours) {

@@ -51,8 +51,10 @@ enum class TypeFit {
   kDiffer,
 };
 [[nodiscard]] TypeFit CompareTypes(const wire::ChannelType& theirs, const TypeInfo& ours) noexcept;
-/// "channel scan: here foo.Scan (protobuf, 0x12), there foo.Image (protobuf, 0x34)".
-[[nodiscard]] std::string DescribeMismatch(const wire::ChannelType& theirs, const TypeInfo& ours);
+/// "scan: lidar:12 publishes foo.Scan, view:34 subscribes to foo.Image": the same text on both sides. If the names are
+/// equal, encodings and fingerprints follow them.
+[[nodiscard]] std::string DescribeMismatch(const wire::ChannelType& theirs, const PeerInfo& peer, const TypeInfo& ours,
+                                           const PeerInfo& self, bool peer_publishes);
 
 /// Compares our protobuf type with the peer's of the same name. An empty text: compatible.
 [[nodiscard]] std::string SchemaFault(const std::string& their_descriptor_set, const TypeInfo& ours);

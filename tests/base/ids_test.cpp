@@ -1,9 +1,12 @@
 #include "hgros/base/ids.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <array>
 #include <mutex>
 #include <set>
+#include <string>
 #include <thread>
 #include <unordered_set>
 
@@ -38,9 +41,12 @@ TEST(SessionId, IsAKeyOfOrderedAndHashedContainers) {
   EXPECT_EQ(hashed.size(), 3U);
 }
 
-TEST(SessionName, NamesProcessAndHostIfItIsKnown) {
-  EXPECT_EQ(SessionName(SessionId{0x1234}, "talker", 42, "robot"), "0000000000001234 (talker, process 42 on robot)");
-  EXPECT_EQ(SessionName(SessionId{0x1234}, "talker", 42), "0000000000001234 (talker, process 42)");
+TEST(SessionName, NamesProcessAndAnotherHost) {
+  std::array<char, 256> here{};
+  ASSERT_EQ(gethostname(here.data(), here.size() - 1), 0);
+  EXPECT_EQ(SessionName("talker", 42), "talker:42");
+  EXPECT_EQ(SessionName("talker", 42, here.data()), "talker:42");
+  EXPECT_EQ(SessionName("talker", 42, "not " + std::string(here.data())), "talker:42@not " + std::string(here.data()));
 }
 
 TEST(MessageId, IsOrderedByPublisherThenIncarnationThenSequence) {

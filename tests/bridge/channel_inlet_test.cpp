@@ -258,8 +258,7 @@ TEST(ChannelInlet, SaysThatAPublisherWasCutOffOnlyIfItsLinkHasEnded) {
     EXPECT_EQ(inflow.lines[0],
               std::string("3 messages of the lossless channel \"lines\" did not arrive: ") +
                   (cut ? "the connection to their publisher was lost, and they were published before it was back."
-                       : "their publisher was connected, but could not send them. The log of session "
-                         "0000000000000005 says why."));
+                       : "their publisher was connected, but could not send them. Its log says why."));
   }
 }
 

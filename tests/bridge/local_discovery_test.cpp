@@ -140,18 +140,13 @@ TEST_F(LocalDiscovery, LogsPeersWithTransportAndTheReasonOfTheirEnd) {
     Robot talker("", "talker");
     (void)talker->Advertise<Note>("notes");
     ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-    const auto name = [](const Robot& robot, const std::string& process) {
-      return "ession " + robot.session->id().ToString() + " (" + process + ", process " + std::to_string(getpid());
-    };
-    const std::string me = name(listener, "listener");
-    const std::string other = name(talker, "talker");
-    EXPECT_TRUE(Await([&] {
-      return listener.Said(me + ") reaches s" + other) && listener.Said(") through shared memory: same host.");
-    }));
+    const std::string me = "ession listener:" + std::to_string(getpid());
+    const std::string other = "ession talker:" + std::to_string(getpid());
+    EXPECT_TRUE(Await([&] { return listener.Said(me + " reaches s" + other + " through shared memory: same host."); }));
     if (stays) listener.session.reset();
     talker.session.reset();
-    EXPECT_TRUE(Await([&] { return listener.Said(me + ") no longer reaches s" + other); }));
-    EXPECT_TRUE(listener.Said(stays ? "): this session ends." : "), which is gone: it said goodbye."));
+    EXPECT_TRUE(Await([&] { return listener.Said(me + " no longer reaches s" + other); }));
+    EXPECT_TRUE(listener.Said(stays ? other + ": this session ends." : other + ", which is gone: it said goodbye."));
     EXPECT_TRUE(stays || talker.Said(me));
   }
 }
@@ -274,7 +269,8 @@ TEST_F(LocalDiscovery, TypeMismatchIsLoggedOnBothSides) {
   Robot talker(""), listener("");
   const auto subscription = Listen(listener);
   (void)talker->Advertise<foxglove::Log>("notes");
-  EXPECT_TRUE(Await([&] { return talker.Said("different types") && listener.Said("different types"); }));
+  EXPECT_TRUE(Await(
+      [&] { return talker.Said("Use one type in both programs") && listener.Said("Use one type in both programs"); }));
 }
 
 TEST_F(LocalDiscovery, LoanedBlockIsReadInPlace) {

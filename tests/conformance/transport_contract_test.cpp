@@ -287,7 +287,7 @@ TEST_P(TransportConformance, ASchemaOfMoreThanAMegabyteIsRefusedInTheLog) {
   Offer(type);
   Ask(AnyType());
   ASSERT_TRUE(Eventually([&] { return in->sink.offered == 1; }));
-  EXPECT_TRUE(b->Said("Channel scan: " + a->id.ToString()));
+  EXPECT_TRUE(b->Said("Channel scan: "));
   EXPECT_TRUE(
       b->Said(" describes hgros.test.Large with 1048577 bytes. A description of more than 1048576 bytes is refused."));
   in->channel.reset();

@@ -72,7 +72,7 @@ TEST(HgrosSchema, TellsAtOnceThatADescriptionIsTooLarge) {
   const CommandRun publisher({"large"}, {}, -1, test::Path("foreign_publisher"));
   EXPECT_THAT(
       RunToEnd({"schema", "robot.Hand", "--connect", EndpointOf(publisher), "--timeout", "3000"}),
-      Ends(1, AllOf(HasSubstr("(foreign, process "), HasSubstr(kNotDescribed),
+      Ends(1, AllOf(HasSubstr(": foreign:"), HasSubstr(kNotDescribed),
                     HasSubstr(" describes robot.Hand with 3000000 bytes. A description of more than 1048576 bytes is "
                               "refused.\n"))));
 }

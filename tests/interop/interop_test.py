@@ -225,7 +225,7 @@ def mismatch(sender, receiver, channel):
     sender.expect("latched")
     receiver.play("misfit", channel)
     receiver.expect("subscribed")
-    receiver.expect_log(channel, "foxglove.Log", "foxglove.PoseInFrame", "session ")
+    receiver.expect_log(channel, "foxglove.Log", "foxglove.PoseInFrame", " publishes ")
 
 
 def killed(sender, receiver, channel):

@@ -1,4 +1,5 @@
 import logging
+import os
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from support import DEADLINE_S, RobotTest, main, wait_until
@@ -86,16 +87,16 @@ class Types(RobotTest):
 
             with self.assertLogs("hgros", logging.ERROR) as logged:
                 wait_until(counted)
-            for text in (channel, published.DESCRIPTOR.full_name, subscribed.DESCRIPTOR.full_name):
-                self.assertIn(text, logged.output[0])
-            self.assertRegex(logged.output[0], "session [0-9a-f]{16}")
+            line = next(line for line in logged.output if f":{os.getpid()} publishes them." in line)
+            for text in (f'channel "{channel}"', published.DESCRIPTOR.full_name, subscribed.DESCRIPTOR.full_name):
+                self.assertIn(text, line)
             self.assertEqual(messages.not_decoded, 1)
 
     def test_bytes_that_are_no_message_are_counted_and_logged_once_for_each_publisher(self):
         heard = []
         listener = self.session()
         subscription = listener.subscribe("channel", Log, lambda message, info: heard.append(message.message))
-        robots = [self.session() for _ in range(2)]
+        robots = [self.session(name=f"robot{i}") for i in range(2)]
         publishers = [robot.advertise("channel", Log) for robot in robots]
         for robot in robots:
             self.assertTrue(robot.wait_for_subscribers("channel", timeout=DEADLINE_S))
@@ -109,7 +110,8 @@ class Types(RobotTest):
         self.assertEqual((heard, subscription.not_decoded, subscription.failed), (["last", "last"], 6, 0))
         self.assertEqual(len(logged.output), 2, logged.output)
         for robot in robots:
-            self.assertEqual(sum(f"{robot.id} cannot be read" in line for line in logged.output), 1, logged.output)
+            named = f"from {robot.name}:{os.getpid()} cannot be read"
+            self.assertEqual(sum(named in line for line in logged.output), 1, logged.output)
 
     def test_messages_of_the_library_and_of_python_are_one_type(self):
         from foxglove.Pose_pb2 import Pose

@@ -89,7 +89,7 @@ TEST_F(OneWayControl, CarriesOutEachActionForAnAllowedKey) {
   EXPECT_THAT(done({ControlAction::kStop, {}, {}}), HasSubstr("gets SIGTERM"));
   EXPECT_TRUE(Await([] { return stops == 1; }));
   EXPECT_EQ(sigaction(SIGTERM, &before, nullptr), 0);
-  EXPECT_TRUE(Await([&] { return robot.Said("(desk, process "); }));
+  EXPECT_TRUE(Await([&] { return robot.Said("Session desk:"); }));
   EXPECT_EQ(robot->Snapshot().refused_orders, 0U);
 }
 

@@ -74,8 +74,8 @@ TEST_P(RawPublishing, AnnouncesItsSchemaAndReachesTypedAndRawSubscribersOfAnothe
   }
   EXPECT_TRUE(typed.info(0).remote);
   EXPECT_EQ(raw.at(0)->schema->type_name, "foxglove.Vector3");
-  EXPECT_FALSE(robot->Said("different types"));
-  EXPECT_FALSE(observer->Said("different types"));
+  EXPECT_FALSE(robot->Said("Use one type in both programs"));
+  EXPECT_FALSE(observer->Said("Use one type in both programs"));
 }
 
 TEST_P(RawPublishing, ToAnyRawLooksUpTheSchemaEachTime) {
@@ -146,8 +146,8 @@ TEST_P(RawPublishing, LosslessSubscribersGetEverythingInOrder) {
 TEST_P(RawPublishing, TypeMismatchWithAnotherSessionIsReportedOnBothSides) {
   const auto subscription = observer->session->FromAny<Note>("v", kSerial, [](const Note&) {});
   const RawPublisher publish = robot->session->AdvertiseRaw("v", VectorSchema());
-  EXPECT_TRUE(Await([&] { return observer->Said("different types"); }));
-  EXPECT_TRUE(Await([&] { return robot->Said("different types"); }));
+  EXPECT_TRUE(Await([&] { return observer->Said("Use one type in both programs"); }));
+  EXPECT_TRUE(Await([&] { return robot->Said("Use one type in both programs"); }));
 }
 
 TEST_P(RawPublishing, LoanedBlocksAreNotCopied) {

@@ -58,8 +58,8 @@ TEST_P(RawSubscription, ReceivesBytesSenderAndSchema) {
   }
   EXPECT_EQ(*kept.at(0)->schema, SchemaOf(TypeOf<Vector3>()));
   EXPECT_EQ(kept.at(0)->schema, kept.at(9)->schema);
-  EXPECT_FALSE(robot->Said("different types"));
-  EXPECT_FALSE(observer->Said("different types"));
+  EXPECT_FALSE(robot->Said("Use one type in both programs"));
+  EXPECT_FALSE(observer->Said("Use one type in both programs"));
 }
 
 TEST_P(RawSubscription, SchemaContainsAllImports) {
@@ -153,7 +153,7 @@ TEST_P(RawSubscription, AndATypedSubscriptionOfOneChannelBothReceiveEveryMessage
       EXPECT_EQ(XOf(*kept.at(i)), static_cast<double>(i + 1));
       EXPECT_EQ(typed.at(i)->x(), static_cast<double>(i + 1));
     }
-    EXPECT_FALSE(observer->Said("different types"));
+    EXPECT_FALSE(observer->Said("Use one type in both programs"));
     EXPECT_EQ(kept.at(19)->schema->type_name, "foxglove.Vector3");
     EXPECT_FALSE(kept.at(19)->schema->descriptor_set.empty());
   }
@@ -178,7 +178,7 @@ TEST_P(RawSubscription, ReceivesFromPublishersOfDifferentTypes) {
   // Now this session has a type, and it differs from what the second session sends.
   std::atomic<int> typed{0};
   const auto subscription = observer->session->FromAny<Vector3>("v", kSerial, [&](const Vector3&) { ++typed; });
-  ASSERT_TRUE(Await([&] { return observer->Said(" and session " + second->session->id().ToString()); }));
+  ASSERT_TRUE(Await([&] { return observer->Said(second->session->NameOf(second->session->id()) + " publishes "); }));
   vectors(Vector(2));
   notes(std::make_unique<Note>("more"));
   ASSERT_TRUE(Await([&] { return kept.size() == 4 && typed == 1; }));

@@ -1,4 +1,6 @@
 // A simulated clock that all sessions of a domain follow.
+#include <unistd.h>
+
 #include <cmath>
 
 #include <hgros/SimulatedTime.pb.h>
@@ -192,8 +194,8 @@ TEST_F(SessionClock, FollowsTheFirstOfTwoPublishedClocksAndReportsBoth) {
   ASSERT_TRUE(Shows(*robot.session, kStart));
   const ClockPublisher two(*second.session, SimulatedClock::Paused(kStart + 1h));
   ASSERT_TRUE(Await([&] { return robot.Said("Two clocks are published"); }));
-  EXPECT_TRUE(robot.Said("by first (session " + first->id().ToString() + "), which this session follows"));
-  EXPECT_TRUE(robot.Said("by second (session " + second->id().ToString() + ")"));
+  EXPECT_TRUE(robot.Said("by first:" + std::to_string(getpid()) + ", which this session follows"));
+  EXPECT_TRUE(robot.Said("by second:" + std::to_string(getpid())));
   EXPECT_EQ(robot->clock()->Now(), kStart);
   one.reset();
   EXPECT_TRUE(Shows(*robot.session, kStart + 1h)) << "now it is the only one";

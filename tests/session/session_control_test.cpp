@@ -67,7 +67,7 @@ TEST_F(SteeredSession, ClosesAndOpensAChannelOrNamesTheNearest) {
   EXPECT_EQ(Asked(ControlAction::kOpen).refusal, "");
   publish(Note("again"));
   EXPECT_THAT(notes.texts(), ElementsAre("open", "again"));
-  EXPECT_TRUE(Await([&] { return robot.Said("(desk, process "); }));
+  EXPECT_TRUE(Await([&] { return robot.Said("Session desk:"); }));
   EXPECT_TRUE(robot.Said("has steered this session. Channel \"notes\" is closed"));
   EXPECT_THAT(Asked(ControlAction::kClose, "ntoes").done,
               HasSubstr("does not use a channel of that name. Did you mean \"notes\"?"));
@@ -494,7 +494,7 @@ TEST_F(SessionControl, CountsMalformedRequestsAndUnknownVersionsAndForgedPublish
   forger.Send(request.SerializeAsString(), 77);  // In the name of another session.
   Linger(kShort);
   EXPECT_FALSE(robot.Said("Session 000000000000004d"));
-  EXPECT_FALSE(robot.Said("(desk"));
+  EXPECT_FALSE(robot.Said("Session desk:"));
 }
 
 }  // namespace

@@ -313,7 +313,7 @@ std::map<SessionId, std::shared_ptr<const Snapshot>> Robot::Counters() {
   std::erase_if(counters_, [&](const auto& one) { return !countable.contains(one.first); });
   for (const auto& [session, user] : countable) {
     if (!counters_.contains(session) && silent_.emplace(session, user).second) {
-      surroundings_.console.Say("Session " + Visible(SessionName(session, user.process, user.pid, user.host)) +
+      surroundings_.console.Say("Session " + Visible(SessionName(user.process, user.pid, user.host)) +
                                 " does not answer; its counters are missing.");
     }
   }

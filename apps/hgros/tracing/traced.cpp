@@ -202,7 +202,7 @@ std::optional<Traced> Watch(Robot& robot, std::chrono::nanoseconds time, std::ch
   if (Clock::now() >= latest) return too_long();
   for (const auto& [id, user] : sessions) {
     if (arriving.Answered(id)) continue;
-    robot.surroundings().console.Say("Session " + Visible(SessionName(id, user.process, user.pid, user.host)) +
+    robot.surroundings().console.Say("Session " + Visible(SessionName(user.process, user.pid, user.host)) +
                                      " does not answer; what it does is missing.");
   }
   await(Clock::now() + kClockTime, [&](const auto& one) {

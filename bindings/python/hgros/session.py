@@ -284,7 +284,7 @@ class Session:
         check_callback(callback, 2, f'channel "{channel}"')
         key, inbox = self._new_inbox()
         raw = self._open(channel, wanted, inbox, queue, name)
-        subscription = Subscription(raw, Reader(inbox, channel, wanted), callback, lambda: self._forget(key),
+        subscription = Subscription(raw, Reader(self._use(), inbox, channel, wanted), callback, lambda: self._forget(key),
                                     lambda known: self._know(key, known))
         self._add(key, subscription)
         return subscription
@@ -344,7 +344,7 @@ class Session:
         ready = _hgros.ReadyList(self._use())
         inbox = _hgros.Inbox(ready, 0)
         raw = self._open(channel, message_type, inbox, queue, name)
-        stream: Messages[Any] = Messages(raw, ready, Reader(inbox, channel, message_type), timeout)
+        stream: Messages[Any] = Messages(raw, ready, Reader(self._use(), inbox, channel, message_type), timeout)
         self._keep(stream)
         return stream
 

@@ -24,9 +24,10 @@ _NONE, _MORE, _OTHER = range(3)  # What Inbox.run_known() returns.
 class Reader:
     """Takes messages out of an inbox and decodes them, each publisher's by its own schema."""
 
-    def __init__(self, inbox: _hgros.Inbox, channel: str, wanted: type[Message] | None) -> None:
+    def __init__(self, session: _hgros.Session, inbox: _hgros.Inbox, channel: str, wanted: type[Message] | None) -> None:
         self.channel = channel
         self.not_decoded = 0
+        self._session = session
         self._inbox = inbox
         self._wanted = wanted
         self._type: KnownType | None = None
@@ -80,8 +81,15 @@ class Reader:
             return
         self._unreadable.add(publisher)
         fault = sys.exc_info()[1]
-        logger.warning('A message on channel "%s" from session %016x cannot be read: %s. Further ones are only counted.',
-                       self.channel, publisher, str(fault).rstrip("."), exc_info=not isinstance(fault, DecodeError))
+        logger.warning('A message on channel "%s" from %s cannot be read: %s. Further ones are only counted.',
+                       self.channel, self._name_of(publisher), str(fault).rstrip("."),
+                       exc_info=not isinstance(fault, DecodeError))
+
+    def _name_of(self, publisher: int) -> str:
+        try:
+            return self._session.name_of(publisher)
+        except Error:  # The session is being closed.
+            return f"{publisher:016x}"
 
     def finish(self, failed: bool) -> None:
         """The message was handled. Otherwise that is so when the next one is taken."""
@@ -97,7 +105,7 @@ class Reader:
             if kind not in self._refused:
                 self._refused.add(kind)
                 if isinstance(fault, Error):
-                    logger.error("%s They come from session %016x.", fault, info.publisher)
+                    logger.error("%s %s publishes them.", fault, self._name_of(info.publisher))
                 else:
                     logger.exception('Messages on channel "%s" of type %s cannot be read.', self.channel, schema.type_name)
 

@@ -60,6 +60,10 @@ void BindSession(py::module_& module) {
       .def_property_readonly("id", [](const SessionHandle& one) { return one.Use()->id().ToString(); })
       .def_property_readonly("name", [](const SessionHandle& one) { return one.Use()->name(); })
       .def(
+          "name_of",
+          [](const SessionHandle& one, std::uint64_t session) { return one.Use()->NameOf(SessionId{session}); },
+          Released(), py::arg("session"))
+      .def(
           "now_ns", [](const SessionHandle& one) { return one.Use()->clock()->Now().nanoseconds; }, Released())
       .def(
           "subscribe",

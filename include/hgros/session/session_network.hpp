@@ -55,6 +55,9 @@ class HGROS_EXPORT SessionNetwork {
 
   /// The sessions that are connected now, each with the transport of its messages.
   [[nodiscard]] std::vector<PeerInfo> Peers() const;
+  /// This session or one of the Peers() as logs and errors name it: "talker:4711", with "@robot" on another host. The
+  /// id of any other session.
+  [[nodiscard]] std::string NameOf(SessionId session) const;
   /// All channels that the session could publish on or receive, including its own, sorted by name. A message on
   /// kChannelEventsChannel reports that they may have changed.
   [[nodiscard]] std::vector<KnownChannel> Channels() const;

@@ -12,8 +12,8 @@ namespace hgros {
 
 /// A session as seen over one transport.
 struct PeerInfo {
-  /// For logs and errors: "ID (PROCESS, process NUMBER on HOST)".
-  [[nodiscard]] std::string name() const { return SessionName(id, process, pid, host); }
+  /// For logs and errors: "PROCESS:PID", with "@HOST" if that is another host.
+  [[nodiscard]] std::string name() const { return SessionName(process, pid, host); }
 
   SessionId id;
   std::string process;  ///< Its program's name.

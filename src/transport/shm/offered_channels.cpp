@@ -104,7 +104,7 @@ void OfferedChannels::Serve(Pair& pair, PeerWish& wish, Actions& actions) {
   const auto& core = found->second;
   const auto descriptor_set = SchemaFor(wanted, core->type);
   if (!descriptor_set) {
-    const std::string what = DescribeMismatch(wanted, core->type);
+    const std::string what = DescribeMismatch(wanted, pair.facts.info, core->type, session_.self.info, false);
     wire::PairMessage said;
     said.mutable_misfit()->set_link(wish.asked.link());
     WriteType(core->name, core->type, *said.mutable_misfit()->mutable_offered());

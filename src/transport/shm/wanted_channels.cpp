@@ -120,22 +120,25 @@ void WantedChannels::OnGranted(Pair& pair, const wire::Granted& granted) {
     const auto link = pair.in.LinkAt(granted.link());
     if (!link) return;
     const TypeInfo& type = link->core->type;
+    bool fits = true;
     std::string fault;
     if (!link->granted) {
       switch (CompareTypes(granted.offered(), type)) {
         case TypeFit::kEqual: break;
         case TypeFit::kEvolved:
           fault = SchemaFault(granted.descriptor_set(), type);
-          if (!fault.empty()) break;
+          fits = fault.empty();
+          if (!fits) break;
           session_.log.WriteLimited(LogLevel::kDebug, "evolved " + link->core->name,
                                     "Channel " + link->core->name + ": " + pair.facts.info.process +
                                         " publishes another, compatible version of " + type.name + ".");
           break;
-        case TypeFit::kDiffer: fault = "the types differ"; break;
+        case TypeFit::kDiffer: fits = false; break;
       }
     }
-    if (!fault.empty()) {
-      const std::string what = DescribeMismatch(granted.offered(), type) + ": " + fault;
+    if (!fits) {
+      const std::string what = DescribeMismatch(granted.offered(), pair.facts.info, type, session_.self.info, true) +
+                               (fault.empty() ? "" : ": " + fault);
       RemoveLink(pair, link->core->name, what, actions);
       actions.emplace_back(
           [this, &pair, channel = link->core->name, what] { ReportMismatch(session_.listener, pair, channel, what); });
@@ -156,7 +159,8 @@ void WantedChannels::OnGranted(Pair& pair, const wire::Granted& granted) {
 void WantedChannels::OnMisfit(Pair& pair, const wire::Misfit& misfit) {
   const auto link = pair.in.LinkAt(misfit.link());
   if (!link || link->granted) return;
-  ReportMismatch(session_.listener, pair, link->core->name, DescribeMismatch(misfit.offered(), link->core->type));
+  ReportMismatch(session_.listener, pair, link->core->name,
+                 DescribeMismatch(misfit.offered(), pair.facts.info, link->core->type, session_.self.info, true));
 }
 
 void WantedChannels::OnEnded(Pair& pair, const wire::Ended& ended) {

@@ -34,8 +34,11 @@ void SharedState::SayUnconfirmed() const {
 
 bool SharedState::MayClaim(SessionId session, std::string_view key, std::string_view where) {
   if (!options.security || session_keys_.Claim(session, key)) return true;
-  CountFault(PacketFault::kHead, where,
-             "it is in the name of session " + session.ToString() + ", which belongs to another key");
+  std::string name = session == self.info.id ? self.info.name() : session.ToString();
+  for (const PeerInfo& peer : peers.List()) {
+    if (peer.id == session) name = peer.name();
+  }
+  CountFault(PacketFault::kHead, where, "it is in the name of " + name + ", which has another key");
   return false;
 }
 

@@ -49,11 +49,12 @@ class FalsePeer {
   [[nodiscard]] PairSocket& socket() const { return *socket_; }
   void Hang() { socket_.reset(); }
 
+  // Each has another name, so that each of its faults is logged.
   [[nodiscard]] wire::PairMessage Hello() const {
     wire::PairMessage said;
     auto& hello = *said.mutable_hello();
     hello.set_session(id_.value);
-    WriteFacts(OwnFacts(id_, "false"), *hello.mutable_facts());
+    WriteFacts(OwnFacts(id_, "false-" + id_.ToString()), *hello.mutable_facts());
     hello.mutable_facts()->set_incarnation(incarnation);
     hello.set_layout(kLayoutVersion);
     hello.set_bell_number(3);

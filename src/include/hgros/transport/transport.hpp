@@ -26,8 +26,8 @@ class TransportListener {
   virtual void OnPeerCame(const PeerInfo& peer) noexcept = 0;
   /// `reason` completes "it is gone: ": it said goodbye, its process has ended, the connection was closed ...
   virtual void OnPeerGone(const PeerInfo& peer, std::string_view reason) noexcept = 0;
-  /// Two sides of a channel do not fit. Called on both sides, once per peer and channel. `what` names the channel and
-  /// both types, without a final full stop.
+  /// Two sides of a channel do not fit. Called on both sides, once per peer and channel. `what` names the channel, both
+  /// sessions and both types, without a final full stop.
   virtual void OnTypeMismatch(std::string_view channel, const PeerInfo& peer, std::string_view what) noexcept = 0;
   /// Peers publish or subscribe to other channels than before; see the transport's own interface.
   virtual void OnChannels() noexcept {}

@@ -70,7 +70,7 @@ struct Pair : std::enable_shared_from_this<Pair> {
   bool asks = false;  ///< Wishes may be sent to it.
 };
 
-/// "session 0123456789abcdef (talker, process 42 on robot)", for logs and errors.
+/// "session talker:4711", for logs and errors.
 [[nodiscard]] inline std::string NameOf(const Pair& pair) { return "session " + pair.facts.info.name(); }
 
 /// Tells the listener that two sides of a channel do not fit; once per pair and channel. Socket thread.

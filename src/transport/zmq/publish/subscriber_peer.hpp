@@ -26,7 +26,7 @@ struct Wish {
 /// Thread safety: none; the endpoint's mutex guards it.
 struct SubscriberPeer {
   /// For the log.
-  [[nodiscard]] std::string name() const { return facts.info.process + " (session " + facts.info.id.ToString() + ")"; }
+  [[nodiscard]] std::string name() const { return facts.info.name(); }
 
   SessionFacts facts;
   std::string topic;            ///< Its control topic.

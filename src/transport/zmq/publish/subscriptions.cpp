@@ -121,7 +121,7 @@ void Subscriptions::MakeLink(SubscriberPeer& peer, Wish& wish, Actions& actions)
   const auto& core = channel->core;
   const auto descriptor_set = SchemaFor(wanted, core->type);
   if (!descriptor_set) {
-    const std::string what = DescribeMismatch(wanted, core->type);
+    const std::string what = DescribeMismatch(wanted, peer.facts.info, core->type, shared_.self.info, false);
     WriteType(core->name, core->type, *message.mutable_refused()->mutable_offered());
     message.mutable_refused()->set_reason(what);
     peers_.Send(peer, message);

@@ -203,21 +203,25 @@ void SubscribedChannels::OnSubscribed(const wire::Subscribed& subscribed, Action
 bool SubscribedChannels::BeginLink(InLink& link, const wire::Subscribed& subscribed, Actions& actions) {
   const std::string& name = link.core->name;
   const TypeInfo& type = link.core->type;
+  bool fits = true;
   std::string fault;
   switch (CompareTypes(subscribed.offered(), type)) {
     case TypeFit::kEqual: break;
     case TypeFit::kEvolved:
       fault = SchemaFault(subscribed.descriptor_set(), type);
-      if (fault.empty()) {
+      fits = fault.empty();
+      if (fits) {
         shared_.log.WriteLimited(LogLevel::kDebug, "evolved " + name,
                                  "Channel " + name + ": " + publisher_.facts.info.process +
                                      " publishes another, compatible version of " + type.name + ".");
       }
       break;
-    case TypeFit::kDiffer: fault = "the types differ"; break;
+    case TypeFit::kDiffer: fits = false; break;
   }
-  if (!fault.empty()) {
-    const std::string what = DescribeMismatch(subscribed.offered(), type) + ": " + fault;
+  if (!fits) {
+    const std::string what =
+        DescribeMismatch(subscribed.offered(), publisher_.facts.info, type, shared_.self.info, true) +
+        (fault.empty() ? "" : ": " + fault);
     StopAsking(link, what, actions);
     SetAsked(link, true);  // And refused: it is not asked for again before the next Welcome.
     ReportMismatch(name, what, actions);
@@ -237,7 +241,9 @@ void SubscribedChannels::OnRefused(const wire::Refused& refused, Actions& action
   if (link == nullptr || !link->asked) return;
   EndLink(*link, actions);
   ReleaseClaim(*link, actions);
-  ReportMismatch(link->core->name, DescribeMismatch(refused.offered(), link->core->type), actions);
+  ReportMismatch(link->core->name,
+                 DescribeMismatch(refused.offered(), publisher_.facts.info, link->core->type, shared_.self.info, true),
+                 actions);
 }
 
 void SubscribedChannels::OnWithdrawn(const std::string& channel, Actions& actions) {
