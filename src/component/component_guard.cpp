@@ -7,9 +7,12 @@ namespace {
 
 constexpr std::chrono::seconds kSavePatience{1};
 
-std::string Milliseconds(std::chrono::nanoseconds time) {
-  const auto tenths = std::chrono::round<std::chrono::duration<std::int64_t, std::ratio<1, 10'000>>>(time).count();
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
+// "200.0 ms", or "1.8 s".
+std::string TimeText(std::chrono::nanoseconds time) {
+  const bool long_one = time >= std::chrono::seconds(1);
+  const auto tenth = long_one ? std::chrono::milliseconds(100) : std::chrono::microseconds(100);
+  const auto tenths = (time + tenth / 2) / tenth;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + (long_one ? " s" : " ms");
 }
 
 }  // namespace
@@ -24,16 +27,16 @@ void ComponentGuard::NoteException(const char* what) noexcept {
 void ComponentGuard::NoteSaving() noexcept {
   try {
     late_(
-        "Its Save() has not returned after 1 s. None of its callbacks begins until it does, and no component of its "
-        "process is saved, moved or constructed again. `hgros restart` starts the process again.");
+        "Saving it has taken more than 1 s so far. None of its callbacks begins until that ends, and no component of "
+        "its process is saved, moved or constructed again. `hgros restart` starts the process again.");
   } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, nobody is told.
   }
 }
 
-void ComponentGuard::NoteLate(std::chrono::nanoseconds time, bool returned) noexcept {
+void ComponentGuard::NoteLate(std::string_view node, std::chrono::nanoseconds time, bool returned) noexcept {
   try {
-    late_((returned ? "A callback took " : "A callback has not returned after ") + Milliseconds(time) +
-          ". Its deadline is " + Milliseconds(deadline_) + ".");
+    late_("Callback of node \"" + std::string(node) + (returned ? "\" took " : "\" has run for ") + TimeText(time) +
+          ". Its deadline is " + TimeText(deadline_) + ".");
   } catch (...) {  // NOLINT(bugprone-empty-catch): without memory for the text, the callback is not told of.
   }
 }
@@ -66,22 +69,22 @@ void ComponentGuard::Leave(const Pass& pass) noexcept {
       changed_.notify_all();
     }
   }
-  if (late) NoteLate(time, true);
+  if (late) NoteLate(pass.node, time, true);
 }
 
 void ComponentGuard::NoteHanging() {
   if (deadline_.count() == 0) return;
-  std::vector<std::chrono::nanoseconds> times;
+  std::vector<std::pair<std::string, std::chrono::nanoseconds>> late;
   {
     const auto now = std::chrono::steady_clock::now();
     const std::scoped_lock lock(mutex_);
     for (Pass* pass : passes_) {
       if (pass->told || now - pass->began <= deadline_) continue;
       pass->told = true;
-      times.push_back(now - pass->began);
+      late.emplace_back(pass->node, now - pass->began);
     }
   }
-  for (const std::chrono::nanoseconds time : times) NoteLate(time, false);
+  for (const auto& [node, time] : late) NoteLate(node, time, false);
 }
 
 bool ComponentGuard::TryAlone(std::chrono::steady_clock::time_point deadline, const std::function<void()>& save) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -28,9 +29,10 @@ class ComponentGuard {
   ComponentGuard(const ComponentGuard&) = delete;
   ComponentGuard& operator=(const ComponentGuard&) = delete;
 
+  // `node`: of the callback; outlives the call.
   template <class Call>
-  decltype(auto) Run(Call&& call) {
-    Pass pass(counts() ? this : nullptr);
+  decltype(auto) Run(std::string_view node, Call&& call) {
+    Pass pass(counts() ? this : nullptr, node);
     return Note(call);
   }
   // Whether it counts callbacks. If not, Note() does all that Run() does.
@@ -59,7 +61,7 @@ class ComponentGuard {
   // A callback that runs. One that begins inside another one always may.
   class Pass {
    public:
-    explicit Pass(ComponentGuard* guard) : guard_(guard) {
+    Pass(ComponentGuard* guard, std::string_view of) : node(of), guard_(guard) {
       if (guard_ != nullptr) guard_->Enter(*this);
     }
     Pass(const Pass&) = delete;
@@ -68,6 +70,7 @@ class ComponentGuard {
       if (guard_ != nullptr) guard_->Leave(*this);
     }
 
+    const std::string_view node;
     const std::thread::id thread = std::this_thread::get_id();
     std::uint64_t number = 0;  // Of those that have begun.
     std::chrono::steady_clock::time_point began;
@@ -79,7 +82,7 @@ class ComponentGuard {
   void Enter(Pass& pass);
   void Leave(const Pass& pass) noexcept;
   void NoteException(const char* what) noexcept;
-  void NoteLate(std::chrono::nanoseconds time, bool returned) noexcept;
+  void NoteLate(std::string_view node, std::chrono::nanoseconds time, bool returned) noexcept;
   void NoteSaving() noexcept;
 
   const bool saves_;

@@ -146,8 +146,8 @@ void ContextCore::AddInput(const ComponentInput& input, AnyCallback callback, No
       guard->Note([&] { callback(message, info); });
     };
   } else if (description_.state.empty()) {
-    guarded = [guard = guard_, callback = std::move(callback)](const AnyMessage& message, const MessageInfo& info) {
-      guard->Run([&] { callback(message, info); });
+    guarded = [guard = guard_, node = options.name, call = std::move(callback)](const auto& message, const auto& info) {
+      guard->Run(node, [&] { call(message, info); });
     };
   } else {
     const auto asked = gates_.Ask({options.name, here, &input.type, input.invoke, options.queue, options.executor},
@@ -183,12 +183,12 @@ void ContextCore::AddService(const ServedByComponent& served, AnyHandler handler
       }
     }
   }
-  AnyHandler guarded = [this, handler = std::move(handler)](const AnyMessage& request) {
+  AnyHandler guarded = [this, node = options.name, handler = std::move(handler)](const AnyMessage& request) {
     while (true) {
       if (place_ != Place::kHere) AwaitHere();
       AnyMessage reply;
       bool handled = false;
-      guard_->Run([&] {
+      guard_->Run(node, [&] {
         handled = place_ == Place::kHere;
         if (handled) reply = handler(request);
       });
@@ -215,8 +215,8 @@ void ContextCore::AddTimer(std::string_view timer, Duration period, TimerCallbac
     if (!constructed_) description_.timers.push_back({std::string(timer), period});
   }
   Add(timers_, {name, [this, name, period, options, callback = std::move(callback)]() -> Kept {
-                  const auto guarded = [this, callback](const Tick& tick) {
-                    guard_->Run([&] {
+                  const auto guarded = [this, name, callback](const Tick& tick) {
+                    guard_->Run(name, [&] {
                       if (place_ == Place::kHere) callback(tick);
                     });
                   };

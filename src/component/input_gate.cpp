@@ -68,7 +68,7 @@ void InputGate::Continue() {
 }
 
 void InputGate::Take(const AnyMessage& message, const MessageInfo& info) {
-  guard_->Run([&] {
+  guard_->Run(node_, [&] {
     std::function<void()> wake;
     std::optional<Waiting> passes;
     Dropped dropped;  // Ends outside the lock.
@@ -181,7 +181,7 @@ void InputGate::LetPass(Waiting message) {
   }
   if (dropped.counts) dropped.counts.CountDropped();
   if (!here) return node_queue_.CallWithoutMessage(info);
-  guard_->Run([&] { Call(*here); });
+  guard_->Run(node_, [&] { Call(*here); });
 }
 
 bool InputGate::has_room() const {

@@ -36,7 +36,7 @@ TEST(ComponentGuardTest, TellsOnceThatSavingDoesNotReturn) {
   });
   begun.get_future().wait();
   std::atomic<int> ran = 0;
-  const auto callback = [&] { guard.Run([&] { ++ran; }); };
+  const auto callback = [&] { guard.Run("node", [&] { ++ran; }); };
   std::jthread one(callback);
   std::jthread other(callback);
   EXPECT_TRUE(Await([&] { return told > 0; }));
@@ -46,7 +46,24 @@ TEST(ComponentGuardTest, TellsOnceThatSavingDoesNotReturn) {
   other.join();
   EXPECT_EQ(ran, 2);
   EXPECT_EQ(told, 1);
-  EXPECT_THAT(sentence, HasSubstr("Its Save() has not returned after 1 s."));
+  EXPECT_THAT(sentence, HasSubstr("Saving it has taken more than 1 s so far."));
+}
+
+TEST(ComponentGuardTest, NamesTheNodeOfALateCallback) {
+  std::vector<std::string> told;
+  ComponentGuard guard(
+      false, std::chrono::milliseconds(1), [](const std::string&) {},
+      [&](const std::string& sentence) { told.push_back(sentence); });
+  guard.Run("detector/image", [&] {
+    Linger(std::chrono::milliseconds(2));
+    guard.NoteHanging();
+  });
+  guard.Run("detector/image", [] { Linger(std::chrono::milliseconds(2)); });
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_THAT(told[0],
+              testing::MatchesRegex("Callback of node \"detector/image\" has run for .*s\\. Its deadline is 1\\.0 "
+                                    "ms\\."));
+  EXPECT_THAT(told[1], HasSubstr("Callback of node \"detector/image\" took "));
 }
 
 // On several threads, so that one runs at any time; each of them also runs one inside another one.
@@ -59,9 +76,9 @@ TEST(ComponentGuardTest, SavesBetweenCallbacksThatFollowEachOtherWithoutAPause) 
   for (int i = 0; i < 3; ++i) {
     threads.emplace_back([&] {
       while (!ends) {
-        guard.Run([&] {
+        guard.Run("node", [&] {
           Linger(std::chrono::milliseconds(2));
-          guard.Run([&] { ++ran; });
+          guard.Run("node", [&] { ++ran; });
         });
       }
     });
@@ -85,7 +102,7 @@ TEST(ComponentGuardTest, OthersBeginBesideACallbackThatIsTooLongForASave) {
   std::atomic<bool> begun = false;
   std::atomic<bool> ends = false;
   std::jthread planner([&] {
-    guard.Run([&] {
+    guard.Run("node", [&] {
       begun = true;
       ends.wait(false);
     });
@@ -95,7 +112,7 @@ TEST(ComponentGuardTest, OthersBeginBesideACallbackThatIsTooLongForASave) {
   std::jthread saving(
       [&] { EXPECT_TRUE(guard.TryAlone(now + std::chrono::seconds(2), [] {})) << "others had to wait for it"; });
   ASSERT_TRUE(Await([&] { return std::chrono::steady_clock::now() > now + std::chrono::milliseconds(1100); }));
-  guard.Run([] {});
+  guard.Run("node", [] {});
   ends = true;
   ends.notify_all();
 }
