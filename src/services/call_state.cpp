@@ -113,7 +113,7 @@ void CallState::RunRequestsWhileWaiting() {
       table_->End(number, Failed(CallFailure::Kind::kWouldDeadlock,
                                  "A handler of service \"" + service_ +
                                      "\" waits for a call to its own service, which handles one request at a time. "
-                                     "Use Invoke::kConcurrent, or a callback instead of Wait."));
+                                     "Let it handle several at once, or get the reply in a callback."));
       own->Withdraw(message->caller, number);
       break;
     }

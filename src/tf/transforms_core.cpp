@@ -243,9 +243,9 @@ SetResult Transforms::Core::Check(std::string_view parent, std::string_view chil
   return {SetFault::kTooNew,
           "The transform " + Edge(parent, child) + " was refused: its stamp is " +
               seconds(static_cast<double>(stamp.nanoseconds) - static_cast<double>(now.nanoseconds)) +
-              " ahead of the clock of session \"" + session_.name() + "\", more than TransformsOptions::max_ahead (" +
+              " ahead of the clock of session \"" + session_.name() + "\", more than max_ahead allows (" +
               seconds(static_cast<double>(max_ahead_.count())) +
-              "). Stamp with session.clock()->Now(), and synchronize the clocks of the hosts."};
+              "). Stamp with the session's clock, and synchronize the clocks of the hosts."};
 }
 
 std::string Transforms::Core::NameOf(SessionId session) {
@@ -305,9 +305,8 @@ void Transforms::Core::TellShared(const tf::EdgeOwners::Shared& edge) {
   if (!IsThere(edge.before) || !IsThere(edge.last) || !owners_.Settle(edge.child)) return;
   session_.log().WriteLimited(LogLevel::kWarning, "shared edge",
                               "Two sessions set the edge " + Edge(tree_.Name(edge.parent), tree_.Name(edge.child)) +
-                                  ": \"" + NameOf(edge.before) + "\" (" + edge.before.ToString() + ") and \"" +
-                                  NameOf(edge.last) + "\" (" + edge.last.ToString() +
-                                  "). Lookups return either of the two; let only one session set it.");
+                                  ": " + session_.NameOf(edge.before) + " and " + session_.NameOf(edge.last) +
+                                  ". Lookups return either of the two; let only one session set it.");
   ++shared_;
 }
 

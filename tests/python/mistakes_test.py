@@ -118,6 +118,7 @@ class Mistakes(RobotTest):
         with self.assertLogs("hgros"):
             self.refused(lambda: other.call("fails", Log(), Log, timeout=DEADLINE_S).result(), hgros.CallError,
                          r"ValueError: \x1b[31m\n\u202e")
+        robot.transforms.send_static("a", "b", np.eye(4))
         self.refused(lambda: robot.transforms.lookup(RED, "b"), hgros.TransformError, r"\x1b[31m")
         self.refused(lambda: robot.subscribe(RED, Log, lambda: 0), TypeError, r"\x1b[31m")
         self.refused(lambda: robot.subscribe(RED, lambda: 0), TypeError, r"\x1b[31m")

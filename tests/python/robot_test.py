@@ -143,6 +143,8 @@ class Tf(RobotTest):
 
     def test_failed_lookup_says_why(self):
         robot = self.session()
+        with self.assertRaisesRegex(hgros.TransformError, "No transforms received yet: .* Look it up with a timeout."):
+            robot.transforms.lookup("map", "base")
         robot.transforms.send("map", "base", pose(1), 10**9)
         for target, source, stamp, fault in (("map", "lase", None, "unknown frame"), ("map", "base", 1, "too old"),
                                              ("map", "base", 2 * 10**9, "too new")):

@@ -1,6 +1,7 @@
 #include "hgros/tf/transforms.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <limits>
@@ -212,7 +213,7 @@ TEST_F(TransformsOfTwo, StampsFarAheadOfTheClockAreRefusedAndTheEdgeKeepsWorking
   ASSERT_EQ(publish(Message("map", "base", 1, now)), PublishStatus::kOk);
   ASSERT_TRUE(Arrives(looking, "map", "base", At(static_cast<double>(now))));
   EXPECT_EQ(looking.stats().refused_transforms, 1U);
-  EXPECT_TRUE(b.Said("more than TransformsOptions::max_ahead (10 s)"));
+  EXPECT_TRUE(b.Said("more than max_ahead allows (10 s)"));
 }
 
 TEST_F(TransformsOfTwo, LimitForStampsAheadOfTheClockCanBeSet) {
@@ -283,7 +284,8 @@ TEST_F(TransformsOfTwo, ReportsAnEdgeOfTwoSessionsOnce) {
     EXPECT_EQ(robot->Count("Two sessions set the edge from \"map\" to \"base\""), 1U);
   }
   EXPECT_EQ(one.stats().shared_edges, 1U);
-  EXPECT_TRUE(a.Said("\"b\" (" + b->id().ToString() + ")"));
+  EXPECT_TRUE(a.Said(": a:" + std::to_string(getpid()) + " and b:" + std::to_string(getpid())) ||
+              a.Said(": b:" + std::to_string(getpid()) + " and a:" + std::to_string(getpid())));
 
   // Many such edges, and many invalid ones, write few lines.
   constexpr int kMany = 100;

@@ -66,7 +66,13 @@ std::vector<std::string> KnownNames(const FrameTable& frames) {
 TransformFailure Unknown(const FrameTable& frames, std::string_view name) {
   TransformFailure failure;
   failure.fault = TransformFault::kUnknownFrame;
-  failure.nearest_name = NearestName(name, KnownNames(frames));
+  const std::vector<std::string> known = KnownNames(frames);
+  if (known.empty()) {
+    failure.text =
+        "No transforms received yet: a session listens from its first use of them on. Look it up with a timeout.";
+    return failure;
+  }
+  failure.nearest_name = NearestName(name, known);
   failure.text = "No edge has a frame " + Quoted(name) + (failure.nearest_name.empty() ? "." : ";") +
                  (failure.nearest_name.empty() ? "" : " the nearest name is " + Quoted(failure.nearest_name) + ".");
   return failure;
@@ -145,8 +151,8 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
       break;
     }
     case SetFault::kStatic:
-      why = child.is_static ? "it is a static edge, which has no stamps. Use SetStatic."
-                            : "it is an edge that moves. Set it with a stamp.";
+      why = child.is_static ? "it is a static edge. Set it without a stamp, as a static one."
+                            : "it is an edge that moves. Set it with a stamp, not as a static one.";
       break;
     case SetFault::kTooOld: {
       const EdgeRange range = ReadRange(child);
@@ -155,8 +161,7 @@ SetResult TreeCore::Refuse(SetFault fault, const Frame& parent, const Frame& chi
       break;
     }
     case SetFault::kTooManyFrames:
-      why =
-          "the tree has " + std::to_string(frames_.most()) + " frames, the limit of TransformTreeOptions::max_frames.";
+      why = "the tree has " + std::to_string(frames_.most()) + " frames, which is its limit (max_frames).";
       break;
     case SetFault::kTooDeep:
       why = "frames would be more than 1000 edges below their root. Set frames below a nearer one.";

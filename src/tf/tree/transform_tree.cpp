@@ -49,7 +49,7 @@ FrameId TransformTree::Frame(std::string_view name) {
   if (const tf::Frame* frame = core_->frames().Intern(name)) return frame->id;
   throw Error("The tree has " + std::to_string(core_->frames().most()) + " frames already, so \"" + std::string(name) +
                   "\" gets no id.",
-              {}, "Raise TransformTreeOptions::max_frames.");
+              {}, "Raise max_frames.");
 }
 
 std::optional<FrameId> TransformTree::Find(std::string_view name) const noexcept {

@@ -66,6 +66,8 @@ TEST(TransformTree, TravelsThroughAFixedFrame) {
 
 TEST(TransformTree, NamesTheNearestKnownFrame) {
   TransformTree tree;
+  EXPECT_EQ(tree.Lookup("map", "base").text(),
+            "No transforms received yet: a session listens from its first use of them on. Look it up with a timeout.");
   ASSERT_TRUE(tree.Set("map", "base_link", At(1), Shift(1)));
   const auto found = tree.Lookup("map", "base_lnk");
   EXPECT_EQ(found.fault(), TransformFault::kUnknownFrame);
@@ -219,7 +221,7 @@ TEST(TransformTree, RefusesInvalidTransformsWithAReasonAndKeepsNoneOfTheirFrames
       {"a", "a", Shift(1), SetFault::kCycle, "a frame cannot be below itself."},
       {"arm", "map", Shift(1), SetFault::kCycle,
        "it would close a cycle: \"arm\" is below \"base\", which is below \"map\"."},
-      {"base", "laser", Shift(1), SetFault::kStatic, "it is a static edge, which has no stamps. Use SetStatic."}};
+      {"base", "laser", Shift(1), SetFault::kStatic, "it is a static edge. Set it without a stamp, as a static one."}};
   for (const Case& one : moving) {
     const SetResult result = tree.Set(one.parent, one.child, At(1), one.T);
     EXPECT_EQ(result.fault(), one.fault) << result.text();
