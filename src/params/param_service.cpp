@@ -38,7 +38,7 @@ class ParamService::Core {
   const ForkGuard fork;  // A child has none of the threads.
   Core(Session& session, ParamServer& server, const std::string& name, LogSink log)
       : server_(server),
-        session_(session.id()),
+        session_(session),
         name_(name),
         log_(std::move(log)),
         channels_(name),
@@ -158,15 +158,15 @@ class ParamService::Core {
     if (info.publish_monotonic_ns < began_ns_) return;
     const SessionId other{info.id.publisher};
     log_.WriteLimited(LogLevel::kError, "another",
-                      other == session_
+                      other == session_.id()
                           ? "This session offers parameters under the name \"" + name_ +
                                 "\" more than once, so all of these are asked. Offer them once, or under other names."
-                          : "Session " + other.ToString() + " offers parameters under the name \"" + name_ +
-                                "\", as this session does, so both are asked. Give one of them another name.");
+                          : session_.NameOf(other) + " also offers parameters as \"" + name_ +
+                                "\". Rename one, or give each robot its own HGROS_DOMAIN.");
   }
 
   ParamServer& server_;
-  const SessionId session_;
+  Session& session_;
   const std::string name_;
   Log log_;
   const param_wire::Channels channels_;

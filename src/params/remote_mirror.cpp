@@ -1,5 +1,6 @@
 #include "params/remote_mirror.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "hgros/base/error.hpp"
@@ -7,6 +8,11 @@
 #include "params/param_wire.hpp"
 
 namespace hgros {
+namespace {
+
+constexpr std::size_t kMostServers = 16;
+
+}  // namespace
 
 RemoteMirror::RemoteMirror(std::string name) : name_(std::move(name)), asker_(RandomId()) {}
 
@@ -25,14 +31,23 @@ void RemoteMirror::OnState(const ParamsState& state) {
   }
   {
     const std::scoped_lock lock(mutex_);
-    if (state.life() == life_ && state.version() <= version_) return;
-    if (state.ended() && life_ != 0 && state.life() != life_) return;  // Another server has already replaced it.
-    life_ = state.life();
-    version_ = state.version();
-    state_ = std::move(read);
-    fault_ = std::move(fault);
+    Held* held = Find(state.life());
+    if (held != nullptr && state.version() <= held->version) return;
+    if (held == nullptr) {
+      if (held_.size() == kMostServers) {
+        const auto ended = std::ranges::find_if(held_, [](const Held& one) { return !one.fault.empty(); });
+        held_.erase(ended == held_.end() ? held_.begin() : ended);
+      }
+      held = &held_.emplace_back();
+    }
+    *held = {state.life(), state.version(), std::move(read), std::move(fault)};
   }
   changed_.notify_all();
+}
+
+RemoteMirror::Held* RemoteMirror::Find(std::uint64_t life) {
+  const auto held = std::ranges::find(held_, life, &Held::life);
+  return held == held_.end() ? nullptr : &*held;
 }
 
 void RemoteMirror::OnAnswer(const ParamsAnswer& answer) {
@@ -65,14 +80,16 @@ std::optional<RemoteMirror::Outcome> RemoteMirror::Wait(const ParamsQuestion& qu
   std::unique_lock lock(mutex_);
   const auto waiting = answers_.find(question.number());
   const auto refused = [&] { return waiting->second && !waiting->second->refusal().empty(); };
-  const auto told = [&] {
-    return waiting->second && life_ == waiting->second->life() && version_ >= waiting->second->version();
+  const auto told = [&]() -> const Held* {
+    const Held* held = waiting->second ? Find(waiting->second->life()) : nullptr;
+    return held != nullptr && held->version >= waiting->second->version() ? held : nullptr;
   };
-  if (!changed_.wait_until(lock, until, [&] { return ended_ || refused() || told(); })) return std::nullopt;
+  if (!changed_.wait_until(lock, until, [&] { return ended_ || refused() || told() != nullptr; })) return std::nullopt;
   if (refused()) return Outcome{{}, waiting->second->refusal()};
-  if (!told()) return Ended();
-  if (!fault_.empty()) return Outcome{{}, fault_};
-  return Outcome{state_, {}};
+  const Held* const held = told();
+  if (held == nullptr) return Ended();
+  if (!held->fault.empty()) return Outcome{{}, held->fault};
+  return Outcome{held->state, {}};
 }
 
 RemoteMirror::Outcome RemoteMirror::Late(const ParamsQuestion& question) const {

@@ -16,7 +16,9 @@
 
 namespace hgros {
 
-// The parameters of another session as received: the latest state, and the answers to open questions.
+// The parameters of another session as received: the latest state, and the answers to open questions. If several
+// sessions offer them under one name, all answer, and the first answer counts, with the state of the session that gave
+// it.
 //
 // Thread safety: all functions.
 class RemoteMirror {
@@ -52,6 +54,16 @@ class RemoteMirror {
   [[nodiscard]] Outcome Ended() const;  // Of a wait.
 
  private:
+  // The latest state of one server.
+  struct Held {
+    std::uint64_t life = 0;
+    std::uint64_t version = 0;
+    State state;
+    std::string fault;  // Why there is no state: it cannot be read, or the session no longer offers it.
+  };
+  // Under mutex_. Null if there is none.
+  [[nodiscard]] Held* Find(std::uint64_t life);
+
   const std::string name_;
   const std::uint64_t asker_;
 
@@ -59,11 +71,8 @@ class RemoteMirror {
   std::condition_variable changed_;
   std::uint64_t last_number_ = 0;  // guarded by mutex_, as all below
   std::map<std::uint64_t, std::optional<ParamsAnswer>> answers_;
-  std::uint64_t life_ = 0;
-  std::uint64_t version_ = 0;
-  State state_;
+  std::vector<Held> held_;  // Of the last few servers.
   bool ended_ = false;
-  std::string fault_;  // Why there is no state: it cannot be read, or the session no longer offers it.
 };
 
 }  // namespace hgros

@@ -1,6 +1,7 @@
 #include "hgros/params/remote_params.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <array>
 #include <future>
@@ -355,6 +356,20 @@ TEST_F(RemoteParamsTest, EndsTheWaitForASessionThatIsNotThere) {
   EXPECT_THAT(nobody.Snapshot().refusal, HasSubstr("was ended."));
 }
 
+// Both answer, and the answer of one may come with the state of the other.
+TEST_F(RemoteParamsTest, SetsWhatTwoServicesWithTheSameNameOffer) {
+  const auto quiet = [](LogLevel, std::string_view) {};
+  ParamServer one;
+  ParamServer two;
+  const ParamService first(*robot_.session, one, "robot", quiet);
+  const ParamService second(*other_.session, two, "robot", quiet);
+  ASSERT_TRUE(other_->WaitForSubscribers("params/robot/ask", 2, kPatience));
+  for (int i = 1; i <= 20; ++i) {
+    ASSERT_EQ(params_.Set("x", i, IfMissing::kCreate).refusal, "");
+    ASSERT_TRUE(Await([&] { return one.Get<int>("x", -1) == i && two.Get<int>("x", -1) == i; }));
+  }
+}
+
 // Whether one of two services with one name says a line with this text.
 bool OneSays(Session& first, Session& second, std::string_view text) {
   std::mutex mutex;
@@ -373,8 +388,10 @@ bool OneSays(Session& first, Session& second, std::string_view text) {
 }
 
 TEST_F(RemoteParamsTest, ReportsTwoServicesWithTheSameName) {
-  EXPECT_TRUE(
-      OneSays(*robot_.session, *other_.session, "offers parameters under the name \"robot\", as this session does"));
+  EXPECT_TRUE(OneSays(*robot_.session, *other_.session,
+                      ":" + std::to_string(getpid()) +
+                          " also offers parameters as \"robot\". Rename one, or give each " +
+                          "robot its own HGROS_DOMAIN."));
   EXPECT_TRUE(OneSays(*robot_.session, *robot_.session,
                       "This session offers parameters under the name \"robot\" more than once"));
 }
