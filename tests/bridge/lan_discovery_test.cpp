@@ -98,7 +98,8 @@ TEST_F(LanDiscovery, PeerThatFallsSilentIsDisconnectedAndFoundAgain) {
   Talker talker(cable->left, kLan);
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   ASSERT_TRUE(cable->Set("down"));
-  EXPECT_TRUE(Await([&] { return listener.robot->Said("), which is gone: "); }));
+  EXPECT_TRUE(Await([&] { return listener.robot->Said(", which is gone: "); }));
+  EXPECT_TRUE(listener.robot->Said("Nothing has arrived from talker:"));
   // The endpoint is given up after the peer timeout; what is published at that moment may be missed, and that is told.
   // If it were still tried then, a failure would be logged.
   Linger(std::chrono::seconds(6));
@@ -108,6 +109,7 @@ TEST_F(LanDiscovery, PeerThatFallsSilentIsDisconnectedAndFoundAgain) {
   ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
   talker.Say(5);
   EXPECT_TRUE(Await([&] { return listener.notes.size() == 5; }));
+  EXPECT_TRUE(Await([&] { return listener.robot->Said("Messages from talker:"); }));
 }
 
 TEST_F(LanDiscovery, EndpointCanBeAddedAndRemovedWhileTheBeaconHearsIt) {

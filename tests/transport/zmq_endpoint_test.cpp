@@ -8,6 +8,7 @@
 
 #include <filesystem>
 
+#include "conformance/tcp_forwarder.hpp"
 #include "support/await.hpp"
 #include "support/error_of.hpp"
 #include "support/few_descriptors.hpp"
@@ -218,6 +219,23 @@ TEST(ZmqEndpoint, IsLoggedOncePerOutageIfItCannotBeReached) {
     EXPECT_EQ(subscriber.TimesSaid("No connection to"), outage);
     const Place publisher(PublishAt(folder.Ipc()));
     ASSERT_TRUE(Eventually([&] { return subscriber.listener.came == outage; }));
+    EXPECT_EQ(subscriber.TimesSaid("Connected to " + folder.Ipc() + "."), outage);
+  }
+}
+
+TEST(ZmqEndpoint, LogsThatNothingArrivesWhileTheNetworkIsCutAndThatItDoesAgain) {
+  Place publisher(PublishAt());
+  const std::string bound = publisher.Bound();
+  conformance::TcpForwarder cable(static_cast<std::uint16_t>(std::stoi(bound.substr(bound.rfind(':') + 1))));
+  Place subscriber(SubscribeAt("tcp://127.0.0.1:" + std::to_string(cable.port())));
+  ASSERT_TRUE(Eventually([&] { return subscriber.listener.came == 1 && publisher.listener.came == 1; }));
+  cable.Stall();
+  for (Place* place : {&publisher, &subscriber}) {
+    EXPECT_TRUE(Eventually([&] { return place->Said(" for 200 ms: the network between is cut"); }));
+  }
+  cable.Resume();
+  for (Place* place : {&publisher, &subscriber}) {
+    EXPECT_TRUE(Eventually([&] { return place->Said(" arrive again."); }));
   }
 }
 

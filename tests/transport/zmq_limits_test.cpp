@@ -282,10 +282,10 @@ TEST_F(ZmqLimits, AStrangerCannotSpeakInTheNameOfASession) {
   const std::string forged = Frame(zmq::UpstreamFrame(unsubscribe)) + Frame(zmq::UpstreamFrame(bye));
   const Client stranger(endpoint);
   ASSERT_TRUE(stranger.Send(forged));
-  EXPECT_TRUE(Eventually([&] { return publisher.Said("in the name of session 0000000000000007, which has another"); }));
+  EXPECT_TRUE(Eventually([&] { return publisher.Said(", which has another connection"); }));
   ExpectMessages();
   ASSERT_NE(stranger.Greet(SessionId{7}), 0U);
-  EXPECT_TRUE(Eventually([&] { return publisher.Said("in the name of session 0000000000000007, which another"); }));
+  EXPECT_TRUE(Eventually([&] { return publisher.Said(", which is another program"); }));
   ASSERT_TRUE(stranger.Send(forged));
   test::Linger(std::chrono::milliseconds(100));
   for (int i = 0; i < 10; ++i) ExpectMessages();

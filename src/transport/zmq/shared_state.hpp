@@ -21,6 +21,7 @@
 #include "transport/zmq/input_flags.hpp"
 #include "transport/zmq/session_keys.hpp"
 #include "transport/zmq/session_proof.hpp"
+#include "transport/zmq/silence_log.hpp"
 #include "transport/zmq/socket.hpp"
 
 namespace hgros::zmq {
@@ -62,6 +63,7 @@ struct SharedState {
   ForkGuard fork;
   const std::shared_ptr<Waker> waker = std::make_shared<Waker>();
   PeerRegistry peers;
+  SilenceLog silence{log, options.heartbeat};  ///< For the leading thread.
   std::array<std::atomic<std::uint64_t>, kPacketFaultCount> faults{};
   std::atomic<std::uint64_t> repeats{0};
   std::atomic<std::uint64_t> refused_handshakes{0};  ///< Besides those that the AdmissionDesk has refused.

@@ -366,7 +366,6 @@ bool ZmqCore::Pending() const {
 void ZmqCore::Tick(SteadyTime now) {
   const auto period = shared_.options.heartbeat;
   const bool overslept = now - next_tick_ > period;
-  next_tick_ = now + period;
   Actions actions;
   for (const auto& endpoint : watch_.publishers) {
     if (overslept) endpoint->ForgiveSilence(now);
@@ -377,6 +376,7 @@ void ZmqCore::Tick(SteadyTime now) {
     if (overslept) endpoint->ForgiveSilence(now);
     endpoint->Tick(now);
   }
+  next_tick_ = std::min(now + period, shared_.silence.Report(now));
 }
 
 void ZmqCore::Look(SteadyTime now) {

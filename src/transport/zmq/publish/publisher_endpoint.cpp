@@ -236,7 +236,7 @@ void PublisherEndpoint::OnUpstream(Message& frame, Actions& actions) {
   SubscriberPeer* peer = peers_.Find(session);
   if (peer != nullptr && !watch_.MaySpeakFor(fd, session, peer->proof)) {
     shared_.CountFault(PacketFault::kHead, bound_,
-                       "a message in the name of session " + session.ToString() + ", which has another connection");
+                       "a message in the name of " + peer->name() + ", which has another connection");
     return;
   }
   if (peer == nullptr) {

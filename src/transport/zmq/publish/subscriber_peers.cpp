@@ -101,7 +101,7 @@ void SubscriberPeers::OnHello(SessionId session, const wire::Hello& hello, int c
   SubscriberPeer* peer = Find(session);
   if (peer != nullptr && !peer->cut && peer->proof != hello.proof()) {
     shared_.CountFault(PacketFault::kHead, endpoint_,
-                       "a Hello in the name of session " + session.ToString() + ", which another program has");
+                       "a Hello in the name of " + peer->name() + ", which is another program");
     return;
   }
   if (peer != nullptr && peer->facts.incarnation != facts.incarnation) {
@@ -236,6 +236,7 @@ void SubscriberPeers::Tick(SteadyTime now, Actions& actions) {
   const auto timeout_if_replaced = std::min(timeout, 2 * shared_.options.heartbeat);
   std::vector<SessionId> silent;
   for (auto& [session, peer] : peers_) {
+    if (!peer->cut && !peer->replaced) shared_.silence.Note(peer->facts.info, peer->last_heard);
     if (now - peer->last_heard > (peer->replaced ? timeout_if_replaced : timeout)) {
       silent.push_back(session);
       continue;

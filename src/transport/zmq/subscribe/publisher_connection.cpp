@@ -19,7 +19,7 @@ constexpr std::uint64_t kEncryptionBytes = 1024;  // More than CURVE adds to a f
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
 // The kernel repeats an attempt that gets no answer ever more rarely. A cable that is back must not wait for that.
-constexpr int kConnectMs = 3000;
+constexpr int kConnectMs = 2000;
 constexpr auto kBetweenReports = std::chrono::milliseconds(100);  // Each outage is reported.
 constexpr auto kSessionsPeriod = std::chrono::seconds(10);
 constexpr auto kGivenUpAfter = std::chrono::milliseconds(100);
@@ -55,7 +55,7 @@ PublisherConnection::PublisherConnection(SharedState& shared, const SubscribeEnd
   socket_.Set(ZMQ_CONNECT_TIMEOUT, kConnectMs);
   socket_.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(shared.options.max_message_bytes + kEncryptionBytes));
   socket_.Set(ZMQ_TCP_KEEPALIVE, 1);
-  socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(2 * shared.options.peer_timeout.count()));
+  socket_.Set(ZMQ_TCP_MAXRT, static_cast<int>(shared.options.peer_timeout.count()));
   if (shared.options.security) SecureClient(socket_, *shared.options.security, endpoint.server_key);
 
   const std::string monitored = "inproc://monitor-" + std::to_string(RandomId());
@@ -107,6 +107,10 @@ bool PublisherConnection::ReadMonitor() {
       connected_since_ = std::chrono::steady_clock::now();
       unreached_since_.reset();
       handshake_failure_ = 0;
+      if (std::exchange(reported_, false)) {
+        shared_.log.WriteLimited(LogLevel::kWarning, "zmq reached " + endpoint_, "Connected to " + endpoint_ + ".",
+                                 kBetweenReports);
+      }
     } else if (what == ZMQ_EVENT_DISCONNECTED) {
       NoteConnection(-1);
       given_up_since_ = std::chrono::steady_clock::now();
@@ -159,6 +163,7 @@ bool PublisherConnection::TurnPlain(SteadyTime now) {
 void PublisherConnection::Tick(SteadyTime now) {
   if (unreached_since_ && now - *unreached_since_ >= shared_.options.unreachable_after) {
     unreached_since_.reset();
+    reported_ = logs_;
     if (logs_) LogUnreachable();
   }
   if (given_up_since_ && now - *given_up_since_ >= kGivenUpAfter && now >= paused_until_) {

@@ -94,6 +94,7 @@ class PublisherConnection {
   SteadyTime paused_until_{};
   // The time since which there is no connection; none after that was logged.
   std::optional<SteadyTime> unreached_since_ = std::chrono::steady_clock::now();
+  bool reported_ = false;      // That there is none was logged.
   int handshake_failure_ = 0;  // The most specific failure event since the last connection.
   const bool logs_;
   bool failed_ = false;

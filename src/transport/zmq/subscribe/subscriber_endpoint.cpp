@@ -333,6 +333,7 @@ void SubscriberEndpoint::Tick(SteadyTime now) {
     if (connection_.TurnPlain(now)) channels_.SetPlain(true);
     connection_.Tick(now);
     if (unfinished_.HasReceived()) publisher_.last_heard = now;
+    if (publisher_.alive) shared_.silence.Note(publisher_.facts.info, publisher_.last_heard);
     const auto timeout = shared_.options.peer_timeout;
     if (publisher_.alive && now - publisher_.last_heard > timeout) {
       LosePublisher("it was silent for " + std::to_string(timeout.count()) + " ms", false, actions);
