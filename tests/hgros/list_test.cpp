@@ -10,6 +10,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/graph/handed_over.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "hgros/transport/curve_key_pair.hpp"
 #include "support/path.hpp"
@@ -42,7 +43,7 @@ TEST(HgrosList, ShowsChannelsWithTypeUsersLatchedMessagesRateAndTransports) {
   ASSERT_EQ(json.size(), 2U);
   EXPECT_EQ(json[0],
             "{\"channel\":\"status\",\"type\":\"foxglove.Log\",\"publishers\":1,\"subscribers\":0,\"rate_hz\":0,"
-            "\"latched\":2,\"via\":[]}");
+            "\"latched\":2,\"refused\":0,\"via\":[]}");
 
   const Subscription own = robot.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {});
   EXPECT_THAT(out(), HasSubstr("\"via\":[\"process\"]"));
@@ -91,6 +92,24 @@ TEST(HgrosList, CountsSubscribersThatOnlyThePublisherKnows) {
     out = here.Run(Patiently({"list"})).out;
     return out.find("status   foxglove.Log    1    2 ") != std::string::npos;
   })) << out;
+  EXPECT_TRUE(test::Await([&] {
+    out = there.Run(Patiently({"list"})).out;
+    return out.find("status   foxglove.Log    1    1 ") != std::string::npos;
+  })) << "also publishers that only the subscriber knows: "
+      << out;
+}
+
+TEST(HgrosList, CountsMessagesThatASubscriberDoesNotTake) {
+  RobotForCommands robot;
+  const auto publish = robot.session().Advertise<Log>("status");
+  const Subscription heard = robot.session().FromAny<Log>(
+      "status", Invoke::kSerial, [](const Log&) { HandedOver::CountRefusedHere(); }, {.name = "deaf"});
+  ASSERT_EQ(publish(Log()), PublishStatus::kOk);
+  ASSERT_TRUE(robot.session().WaitIdle(test::kPatience));
+  EXPECT_TRUE(test::Await(
+      [&] { return robot.Run(Patiently({"list"})).out.find("  LATCHED  REFUSED  VIA\n") != std::string::npos; }));
+  EXPECT_THAT(robot.Run(Patiently({"list", "--json"})).out, HasSubstr("\"refused\":1,"));
+  EXPECT_THAT(robot.Run(Patiently({"info", "deaf"})).out, HasSubstr("  Refused      1\n"));
 }
 
 TEST(HgrosList, ShowsFramesWithParentAgeAndPublisher) {

@@ -51,13 +51,16 @@ class List final : public Command {
   RobotOptions options_;
 };
 
-Cell RateOf(const PublishedTotals& totals, const OutputStyle& style) {
+Cell RateOf(const ChannelTotals& totals, const OutputStyle& style) {
   if (!totals.known) return {};
   return {totals.rate_hz, totals.rate_hz == 0 ? "-" : RateText(totals.rate_hz, style.exact)};
 }
 
 void List::ListChannels(Robot& robot) const {
   const AllCounters counters = robot.Counters();
+  const std::vector<KnownChannel> channels = robot.Channels(all_);
+  const bool refused =
+      std::ranges::any_of(channels, [&](const KnownChannel& one) { return TotalsOf(counters, one).refused > 0; });
   Records records(robot.surroundings().console, options_.style,
                   {{"channel", "CHANNEL"},
                    {"type", "TYPE"},
@@ -65,12 +68,14 @@ void List::ListChannels(Robot& robot) const {
                    {"subscribers", "SUB", true},
                    {"rate_hz", "RATE", true},
                    {"latched", "LATCHED", true},
+                   {"refused", refused ? "REFUSED" : "", true},
                    {"via", "VIA"}});
-  for (const KnownChannel& channel : robot.Channels(all_)) {
-    const PublishedTotals totals = TotalsOf(counters, channel);
-    records.Add({channel.name, channel.type_name, std::uint64_t{channel.publishers.size()},
+  for (const KnownChannel& channel : channels) {
+    const ChannelTotals totals = TotalsOf(counters, channel);
+    records.Add({channel.name, channel.type_name, channel.publishers.size() + totals.far_publishers,
                  channel.subscribers.size() + totals.far_subscribers, RateOf(totals, options_.style),
                  totals.latched == 0 ? Cell(totals.latched, "-") : Cell(totals.latched),
+                 totals.refused == 0 ? Cell(totals.refused, "-") : Cell(totals.refused).In(Style::kYellow),
                  TransportsOf(counters, channel)});
   }
   End(records, robot);
@@ -99,10 +104,11 @@ void List::ListSessions(Robot& robot) const {
   }
   const std::vector<PeerInfo> peers = robot.session().Peers();
   Records records(robot.surroundings().console, options_.style,
-                  {{"session", "SESSION"},
-                   {"process", "PROCESS"},
-                   {"pid", "PID", true},
+                  {{"", "SESSION"},
+                   {"process", ""},
+                   {"pid", ""},
                    {"host", "HOST"},
+                   {"session", ""},
                    {"publishes", "PUBLISHES", true},
                    {"subscribes", "SUBSCRIBES", true},
                    {"reached_by", "REACHED BY"}});
@@ -111,8 +117,8 @@ void List::ListSessions(Robot& robot) const {
   std::ranges::stable_sort(sorted, {}, [](const Row& row) { return std::pair(row.user.host, row.user.process); });
   for (const Row& row : sorted) {
     const auto peer = std::ranges::find(peers, row.user.session, &PeerInfo::id);
-    records.Add({row.user.session.ToString(), row.user.process, row.user.pid, row.user.host, row.publishes,
-                 row.subscribes, peer == peers.end() ? Cell() : Cell(peer->transport)});
+    records.Add(UserCells(row.user, false) +
+                std::vector<Cell>{row.publishes, row.subscribes, peer == peers.end() ? Cell() : Cell(peer->transport)});
   }
   End(records, robot);
 }

@@ -76,6 +76,7 @@ const std::vector<Column>& NodeColumns() {
                                            {"dropped", "DROPPED", true},
                                            {"run", ""},
                                            {"failed", "FAILED", true},
+                                           {"refused", "REFUSED", true},
                                            {"wait_p50_ns", ""},
                                            {"wait_p99_ns", "WAIT P99", true},
                                            {"run_p50_ns", "RUN P50", true},
@@ -97,6 +98,7 @@ std::vector<Cell> NodeRow(const Cells& cells, const std::string& channel, const 
           Cells::Fault(node.dropped()),
           std::uint64_t{node.run()},
           Cells::Fault(node.failed()),
+          Cells::Fault(node.refused()),
           cells.Time(node.wait_p50_ns()),
           cells.Time(node.wait_p99_ns()),
           cells.Time(node.run_p50_ns()),
@@ -233,7 +235,7 @@ bool AreOnSeveralHosts(const std::map<SessionId, ChannelUser>& sessions) {
 Sheet DescribeChannel(const KnownRobot& robot, const KnownChannel& channel) {
   const Cells cells(robot);
   Sheet sheet("channel", channel.name);
-  const PublishedTotals totals = TotalsOf(robot.counters, channel);
+  const ChannelTotals totals = TotalsOf(robot.counters, channel);
   sheet.Fact("type", "Type", channel.type_name);
   sheet.Fact("encoding", "Encoding", EncodingText(channel.encoding));
   sheet.Fact("fingerprint", "Fingerprint", FingerprintText(channel.fingerprint));
@@ -341,6 +343,7 @@ Sheet DescribeNode(const KnownRobot& robot, SessionId session, const Snapshot::C
   sheet.Fact("dropped", "Dropped", node.dropped() == 0 ? Cell(std::uint64_t{0}) : Cells::Fault(node.dropped()));
   sheet.Fact("run", "Run", std::uint64_t{node.run()});
   sheet.Fact("failed", "Failed", node.failed() == 0 ? Cell(std::uint64_t{0}) : Cells::Fault(node.failed()));
+  sheet.Fact("refused", "Refused", node.refused() == 0 ? Cell(std::uint64_t{0}) : Cells::Fault(node.refused()));
   sheet.Fact("wait_p50_ns", "Wait p50", cells.Time(node.wait_p50_ns()));
   sheet.Fact("wait_p99_ns", "Wait p99", cells.Time(node.wait_p99_ns()));
   sheet.Fact("run_p50_ns", "Run p50", cells.Time(node.run_p50_ns()));

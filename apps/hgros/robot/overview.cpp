@@ -36,8 +36,13 @@ const Snapshot::Node* FindNode(const Snapshot::Channel* channel, std::string_vie
   return nullptr;
 }
 
-PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel) {
-  PublishedTotals totals;
+ChannelTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel) {
+  ChannelTotals totals;
+  const auto beyond = [](std::uint64_t counted, const std::vector<ChannelUser>& known, const ChannelUser& by) {
+    const auto others = static_cast<std::uint64_t>(
+        std::ranges::count_if(known, [&](const ChannelUser& other) { return other.session != by.session; }));
+    return counted > others ? counted - others : 0;
+  };
   for (const ChannelUser& user : channel.publishers) {
     const Snapshot::Channel* one = CountersOf(counters, user.session, channel.name);
     if (one == nullptr) continue;
@@ -47,10 +52,13 @@ PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channe
     totals.encoded_bytes += one->encoded_bytes();
     totals.rate_hz += one->rate_hz();
     totals.latched = std::max<std::uint64_t>(totals.latched, one->latched());
-    const auto known = static_cast<std::uint64_t>(std::ranges::count_if(
-        channel.subscribers, [&](const ChannelUser& other) { return other.session != user.session; }));
-    if (one->subscribers() > known)
-      totals.far_subscribers = std::max(totals.far_subscribers, one->subscribers() - known);
+    totals.far_subscribers = std::max(totals.far_subscribers, beyond(one->subscribers(), channel.subscribers, user));
+  }
+  for (const ChannelUser& user : channel.subscribers) {
+    const Snapshot::Channel* one = CountersOf(counters, user.session, channel.name);
+    if (one == nullptr) continue;
+    totals.far_publishers = std::max(totals.far_publishers, beyond(one->publishers(), channel.publishers, user));
+    for (const Snapshot::Node& node : one->nodes()) totals.refused += node.refused();
   }
   return totals;
 }

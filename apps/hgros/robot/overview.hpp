@@ -32,8 +32,8 @@ using AllCounters = std::map<SessionId, std::shared_ptr<const Snapshot>>;
 [[nodiscard]] const Snapshot::Node* FindNode(const Snapshot::Channel* channel, std::string_view name,
                                              std::size_t place);
 
-/// What the publishers of a channel count, together.
-struct PublishedTotals {
+/// What the sessions that use a channel count, together.
+struct ChannelTotals {
   bool known = false;  ///< At least one publisher's counters are known.
   double rate_hz = 0;
   std::uint64_t published = 0;
@@ -41,8 +41,10 @@ struct PublishedTotals {
   std::uint64_t encoded = 0;          ///< Messages written for other sessions.
   std::uint64_t encoded_bytes = 0;    ///< The bytes of these.
   std::uint64_t far_subscribers = 0;  ///< Sessions beyond those that are known, such as on other hosts.
+  std::uint64_t far_publishers = 0;
+  std::uint64_t refused = 0;  ///< Messages that subscribers did not take, because their type is another one.
 };
-[[nodiscard]] PublishedTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel);
+[[nodiscard]] ChannelTotals TotalsOf(const AllCounters& counters, const KnownChannel& channel);
 
 /// How the messages of one session come to another.
 struct Way {

@@ -47,6 +47,15 @@ void Inbox::Finish(bool failed) {
   handled_.reset();
 }
 
+void Inbox::Skip() {
+  handled_.reset();
+  if (of_parent()) return;
+  std::unique_lock lock(mutex_);
+  const HandedOver node = node_;
+  lock.unlock();
+  node.CountRefused();
+}
+
 bool Inbox::HasRoomLocked() const noexcept {
   if (!queue_ || !queue_->lossless() || arrivals_.empty()) return true;
   return arrivals_.size() < std::min(queue_->depth(), kLosslessRoom) && bytes_ < kLosslessBytes;

@@ -40,11 +40,11 @@ class Inbox : public OfProcess {
   void Push(Arrival arrival);
   /// The node that fills the inbox, which counts what is dropped.
   void SetNode(const HandedOver& node);
-  /// The node counts the message that Begin() names as handled once Finish() is called: not if Skip() was, or twice.
+  /// The node counts the message that Begin() names as handled once Finish() is called, or as refused in Skip().
   /// With the GIL.
   void Begin(const MessageInfo& info) { handled_ = Handled{info, MonotonicNow()}; }
   void Finish(bool failed);
-  void Skip() { handled_.reset(); }
+  void Skip();
   /// At most `most`, the oldest first; none if there is none.
   [[nodiscard]] std::vector<Arrival> Take(std::size_t most);
   /// The oldest; empty if there is none. `more` tells whether others wait, for which the list does not get the key.

@@ -23,6 +23,10 @@ class HGROS_EXPORT HandedOver {
 
   /// A message was dropped because newer ones came. The first time is logged.
   void CountDropped() const noexcept;
+  /// The program did not take the message: it is of another type, or no message.
+  void CountRefused() const noexcept;
+  /// The same for a message that the callback on the calling thread has got.
+  static void CountRefusedHere() noexcept;
   /// The message was handled from `start_ns` to `end_ns` (CLOCK_MONOTONIC).
   void CountRun(const MessageInfo& info, std::int64_t start_ns, std::int64_t end_ns, bool failed) const noexcept;
 

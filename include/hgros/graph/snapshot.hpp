@@ -29,10 +29,12 @@ struct NodeSnapshot {
   std::uint64_t dropped = 0;    ///< Removed from a full keep-last queue.
   std::uint64_t run = 0;        ///< Callbacks that returned or threw.
   std::uint64_t failed = 0;     ///< Callbacks that threw.
+  std::uint64_t refused = 0;    ///< Messages of another type than the program named, which it did not take.
   std::uint64_t queued = 0;     ///< Waiting now.
   LogHistogram queue_wait;      ///< From publish to start of the callback, ns.
   LogHistogram run_time;        ///< Time in the callback, ns.
   std::vector<ChainAges> ages;  ///< By origin, in the order of their first messages.
+  bool handed_over = false;     ///< A thread of another language runs the callbacks: see HandedOver.
 };
 
 struct ChannelSnapshot {

@@ -127,7 +127,9 @@ NodeSnapshot Node::Snapshot() const {
   snapshot.executor = setting_.executor;
   snapshot.received = received_.load(std::memory_order_relaxed);
   snapshot.dropped = dropped_.load(std::memory_order_relaxed);
+  snapshot.refused = stats_.refused.load(std::memory_order_relaxed);
   snapshot.queued = QueuedNow();
+  snapshot.handed_over = handed_over_.load(std::memory_order_relaxed);
   AddStats(snapshot);
   return snapshot;
 }
@@ -156,6 +158,14 @@ void CallIfThere(const std::weak_ptr<GraphCore>& its_graph, const std::weak_ptr<
 
 void HandedOver::CountDropped() const noexcept {
   CallIfThere(graph_, node_, [](Node& node) { node.CountDropped(); });
+}
+
+void HandedOver::CountRefused() const noexcept {
+  CallIfThere(graph_, node_, [](Node& node) { node.CountRefused(); });
+}
+
+void HandedOver::CountRefusedHere() noexcept {
+  if (Node* const node = CallbackScope::Innermost()) node->CountRefused();
 }
 
 void HandedOver::CountRun(const MessageInfo& info, std::int64_t start_ns, std::int64_t end_ns,

@@ -72,6 +72,7 @@ class Node : public std::enable_shared_from_this<Node> {
   // The callback only hands messages to another thread, which counts what becomes of them: see HandedOver.
   void HandOver() noexcept { handed_over_.store(true, std::memory_order_relaxed); }
   void CountDropped() noexcept;
+  void CountRefused() noexcept { Add(stats_.refused, std::uint64_t{1}, Writers::kMany); }
   void CountRun(const MessageInfo& info, std::int64_t start, std::int64_t end, bool failed) noexcept;
 
   // From now on messages may be of another type than the callback takes.

@@ -13,6 +13,7 @@ namespace hgros {
 struct alignas(64) NodeStats {
   std::atomic<std::uint64_t> run{0};
   std::atomic<std::uint64_t> failed{0};
+  std::atomic<std::uint64_t> refused{0};
   LiveChainAges ages;
   LiveHistogram queue_wait;
   LiveHistogram run_time;

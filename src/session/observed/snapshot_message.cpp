@@ -39,6 +39,8 @@ void Fill(Snapshot::Node& message, const NodeSnapshot& node) {
   message.set_dropped(node.dropped);
   message.set_run(node.run);
   message.set_failed(node.failed);
+  message.set_refused(node.refused);
+  message.set_handed_over(node.handed_over);
   message.set_queued(node.queued);
   message.set_wait_p50_ns(node.queue_wait.Quantile(kMiddle));
   message.set_wait_p99_ns(node.queue_wait.Quantile(kAlmostAll));
@@ -63,6 +65,7 @@ void Fill(Snapshot::Channel& message, const ChannelTraffic& traffic) {
   message.set_encoded_bytes(traffic.encoded_bytes);
   message.set_sent(traffic.out.sent);
   message.set_subscribers(traffic.out.subscribers);
+  message.set_publishers(traffic.publishers);
   message.set_send_dropped(traffic.out.dropped + traffic.out.missed);
   std::uint64_t lost = 0;
   for (const PublisherTraffic& publisher : traffic.in) lost += publisher.lost;

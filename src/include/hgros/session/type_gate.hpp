@@ -11,6 +11,7 @@
 
 #include "hgros/codec/raw_message.hpp"
 #include "hgros/codec/run_time_type.hpp"
+#include "hgros/graph/handed_over.hpp"
 #include "hgros/internal/graph/callback.hpp"
 
 namespace hgros {
@@ -27,6 +28,7 @@ class TypeGate {
     if (expected_ == nullptr || schema == expected_->run_time->schema) return true;
     if (Fits(schema)) return true;
     mismatched_.fetch_add(1, std::memory_order_relaxed);
+    HandedOver::CountRefusedHere();
     return false;
   }
   [[nodiscard]] std::uint64_t mismatched() const noexcept { return mismatched_.load(std::memory_order_relaxed); }
