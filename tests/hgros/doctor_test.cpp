@@ -9,6 +9,7 @@
 #include <foxglove/Log.pb.h>
 
 #include "hgros/command_run.hpp"
+#include "hgros/tf/transforms.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -98,6 +99,26 @@ TEST(HgrosDoctor, NamesTheNodeForWhichOthersWait) {
   })) << end.out;
   EXPECT_THAT(end.out, testing::ContainsRegex("patrol:[0-9]+ control waits for its turn, because patrol:[0-9]+ detect "
                                               "keeps a worker of the session for "));
+}
+
+TEST(HgrosDoctor, NamesAChannelInAFrameThatNoTransformHas) {
+  RobotForCommands robot("lidar");
+  Transforms transforms(robot.session());
+  ASSERT_TRUE(transforms.ToStaticTF("base", "laser", RigidTransform()));
+  const auto right = robot.session().Advertise<LaserScan>("right", {.latched = 1});
+  const auto wrong = robot.session().Advertise<LaserScan>("wrong", {.latched = 1});
+  LaserScan scan;
+  scan.set_frame_id("laser");
+  ASSERT_EQ(right(scan), PublishStatus::kOk);
+  scan.set_frame_id("lasr");
+  ASSERT_EQ(wrong(scan), PublishStatus::kOk);
+  CommandEnd end;
+  EXPECT_TRUE(test::Await([&] {
+    end = robot.Run(Patiently({"doctor"}));
+    return end.out.find("\"wrong\" of lidar:") != std::string::npos;
+  })) << end.out;
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.out, AllOf(HasSubstr("The nearest frame is \"laser\"."), testing::Not(HasSubstr("\"right\" of"))));
 }
 
 }  // namespace

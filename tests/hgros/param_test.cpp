@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
@@ -16,6 +17,7 @@
 namespace hgros::cli {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -120,6 +122,24 @@ TEST_F(HgrosParam, SetsAllOrNone) {
   const CommandEnd late = robot_.Run({"param", "set", "robot", "gains", "[7]", "--timeout", "3"});
   release.set_value();
   EXPECT_THAT(late, Ends(3, "hgros: The session \"robot\" did not answer in time, but it may still do so.\n"));
+}
+
+TEST_F(HgrosParam, NamesSessionsThatOfferParametersUnderOneName) {
+  RobotForCommands other("other", robot_.domain());
+  ParamServer server;
+  (void)server.Declare("gains", std::vector<int>{3, 4});
+  const ParamService service(other.session(), server, "robot", [](LogLevel, std::string_view) {});
+  other.AwaitAnnounced();
+  const std::string pid = ":" + std::to_string(getpid());
+  const auto both =
+      AllOf(HasSubstr("robot" + pid), HasSubstr("other" + pid),
+            HasSubstr(" offer parameters under one name, \"robot\". Rename one, or give each robot its own "
+                      "HGROS_DOMAIN.\n"));
+  EXPECT_THAT(Run({"list"}), Ends(0, both));
+  EXPECT_THAT(
+      Run({"set", "robot", "gains", "[7]"}),
+      Ends(1, AllOf(both, HasSubstr("hgros: Nothing was changed, because several sessions offer \"robot\".\n"))));
+  EXPECT_EQ(server_.Get<std::vector<int>>("gains"), (std::vector{1, 2}));
 }
 
 TEST_F(HgrosParam, WatchesOneLinePerChange) {

@@ -13,6 +13,7 @@
 #include "hgros/base/names.hpp"
 #include "hgros/session/session_control.hpp"
 #include "robot/descriptions.hpp"
+#include "robot/domains.hpp"
 #include "robot/robot.hpp"
 #include "terminal/records.hpp"
 #include "terminal/visible_text.hpp"
@@ -57,8 +58,8 @@ class Control : public Command {
   virtual void Prepare() {}
   // Whether a session is asked without --session.
   [[nodiscard]] virtual bool IsMeant(const Candidate& /*session*/) const { return true; }
-  [[nodiscard]] virtual std::string NobodyIsMeant(const std::vector<Candidate>& /*all*/) const {
-    return "No session is there to be asked.";
+  [[nodiscard]] virtual std::string NobodyIsMeant(Robot& robot, const std::vector<Candidate>& all) const {
+    return all.empty() ? NoSessions(DomainOf(robot.session())) : "No session is there to be asked.";
   }
   [[nodiscard]] const std::vector<std::string>& patterns() const noexcept { return patterns_; }
 
@@ -66,7 +67,7 @@ class Control : public Command {
 
  private:
   [[nodiscard]] static std::vector<Candidate> All(Robot& robot, const AllCounters& counters);
-  [[nodiscard]] std::vector<Candidate> Choose(const std::vector<Candidate>& all) const;
+  [[nodiscard]] std::vector<Candidate> Choose(Robot& robot, const std::vector<Candidate>& all) const;
   int Show(Robot& robot, const std::vector<Candidate>& asked, const std::vector<ControlAnswer>& answers) const;
 
   std::vector<std::string> patterns_;
@@ -96,7 +97,7 @@ std::vector<Candidate> Control::All(Robot& robot, const AllCounters& counters) {
   return all;
 }
 
-std::vector<Candidate> Control::Choose(const std::vector<Candidate>& all) const {
+std::vector<Candidate> Control::Choose(Robot& robot, const std::vector<Candidate>& all) const {
   std::vector<Candidate> chosen;
   for (const std::string& pattern : patterns_) {
     if (std::ranges::any_of(all, [&](const Candidate& one) { return one.IsCalled(pattern); })) continue;
@@ -112,7 +113,7 @@ std::vector<Candidate> Control::Choose(const std::vector<Candidate>& all) const 
   }
   const bool exact = std::ranges::find(patterns_, "hgros") != patterns_.end();
   if (!exact) std::erase_if(chosen, [](const Candidate& one) { return one.IsObserver(); });
-  if (chosen.empty()) throw Error(NobodyIsMeant(all));
+  if (chosen.empty()) throw Error(NobodyIsMeant(robot, all));
   return chosen;
 }
 
@@ -146,7 +147,7 @@ int Control::Run(Surroundings& surroundings) {
   Prepare();
   Robot robot(options_, surroundings);
   const AllCounters counters = robot.Counters();
-  const std::vector<Candidate> asked = Choose(All(robot, counters));
+  const std::vector<Candidate> asked = Choose(robot, All(robot, counters));
   std::vector<SessionId> takers;
   for (const Candidate& one : asked) {
     if (one.counters == nullptr || one.counters->control() != 0) takers.push_back(one.user.session);
@@ -189,7 +190,7 @@ class ControlChannel final : public Control {
   [[nodiscard]] bool IsMeant(const Candidate& session) const override {
     return session.channels.contains(order_.channel);
   }
-  [[nodiscard]] std::string NobodyIsMeant(const std::vector<Candidate>& all) const override {
+  [[nodiscard]] std::string NobodyIsMeant(Robot& /*robot*/, const std::vector<Candidate>& all) const override {
     std::vector<std::string> names;
     for (const Candidate& one : all) names.insert(names.end(), one.channels.begin(), one.channels.end());
     const std::string nearest = NearestName(order_.channel, names);

@@ -6,6 +6,7 @@
 
 #include "commands/commands.hpp"
 #include "doctor/evidence.hpp"
+#include "doctor/frame_samples.hpp"
 #include "robot/domains.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
@@ -50,10 +51,13 @@ Evidence Doctor::Look(Robot& robot) const {
   if (options_.Timeout(kLookTime) < kLookTime) {
     throw TimedOut("Looking takes two seconds, which is more than --timeout allows.");
   }
+  FrameSamples samples(robot, evidence.channels_before);
   const auto deadline = std::chrono::steady_clock::now() + kLookTime;
   while (std::chrono::steady_clock::now() < deadline) {
     if (!robot.AwaitCounters(deadline) && robot.surroundings().pause.signal() != 0) throw OutputClosed();
+    samples.EndSampled();
   }
+  samples.AddTo(evidence);
   evidence.after = robot.Counters();
   evidence.silent = robot.silent();
   evidence.channels = robot.Channels(true);

@@ -89,9 +89,12 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
   };
   constexpr std::size_t kMostCompared = 200;  // Each is compared with each.
   std::size_t comparisons = 1'000'000;
-  const auto unheard = without(&KnownChannel::subscribers, &KnownChannel::publishers);
+  auto unheard = without(&KnownChannel::subscribers, &KnownChannel::publishers);
+  // Later this command itself may be one of them.
+  std::erase_if(unheard, [&](const KnownChannel* one) { return TotalsOf(evidence.before, *one).far_subscribers > 0; });
   for (const KnownChannel* wanted : without(&KnownChannel::publishers, &KnownChannel::subscribers)) {
     if (!was_so(*wanted, &KnownChannel::publishers) || IsKeptFromOthers(evidence, wanted->name)) continue;
+    if (HasFarPublishers(evidence, *wanted)) continue;
     if (HasOtherTransforms(evidence, wanted->name)) continue;
     const auto compared = std::span(unheard).first(std::min(unheard.size(), kMostCompared));
     const auto like = std::ranges::find_if(
@@ -123,6 +126,36 @@ void CheckEnds(const Evidence& evidence, Findings& findings) {
         {Severity::kNote, "subscriber",
          fmt::format("Nobody subscribes to \"{}\", which {} publishes.", channel->name, Names(channel->publishers)),
          ""});
+  }
+}
+
+// Two channels, of which each has a publisher: CheckEnds() reports others.
+void CheckSlashes(const Evidence& evidence, Findings& findings) {
+  for (const KnownChannel& channel : evidence.channels) {
+    if (!channel.name.starts_with('/')) continue;
+    const KnownChannel other = ChannelNamed(evidence.channels, channel.name.substr(1));
+    if (channel.publishers.empty() || other.publishers.empty()) continue;
+    findings.push_back({Severity::kWarning, "name",
+                        fmt::format("\"{}\", which {} publishes, and \"{}\", which {} publishes, are two channels.",
+                                    channel.name, Names(channel.publishers), other.name, Names(other.publishers)),
+                        "A slash at the beginning belongs to the name. Use one of the two names."});
+  }
+}
+
+void CheckFrames(const Evidence& evidence, Findings& findings) {
+  const auto is_far = [&](std::string_view transforms) {
+    return HasFarPublishers(evidence, ChannelNamed(evidence.channels, std::string(transforms)));
+  };
+  if (evidence.known_frames.empty() || is_far(kTransformsChannel) || is_far(kStaticTransformsChannel)) return;
+  const std::vector<std::string> known(evidence.known_frames.begin(), evidence.known_frames.end());
+  for (const auto& [channel, frame] : evidence.frames) {
+    if (evidence.known_frames.contains(frame)) continue;
+    const std::string nearest = NearestName(frame, known);
+    findings.push_back({Severity::kWarning, "frame",
+                        fmt::format("\"{}\" of {} is in frame \"{}\", which no transform had within two seconds.{}",
+                                    channel, Names(ChannelNamed(evidence.channels, channel).publishers), frame,
+                                    nearest.empty() ? "" : " The nearest frame is \"" + nearest + "\"."),
+                        "Send the transform of that frame, or correct the frame_id of the messages."});
   }
 }
 
@@ -175,8 +208,14 @@ void CheckLosses(const Evidence& evidence, const KnownChannel& channel, Findings
 
 }  // namespace
 
+bool HasFarPublishers(const Evidence& evidence, const KnownChannel& channel) {
+  return TotalsOf(evidence.after, channel).far_publishers > 0;
+}
+
 void CheckChannels(const Evidence& evidence, Findings& findings) {
   CheckEnds(evidence, findings);
+  CheckSlashes(evidence, findings);
+  CheckFrames(evidence, findings);
   for (const KnownChannel& channel : evidence.channels) {
     CheckTypes(channel, findings);
     CheckLosses(evidence, channel, findings);

@@ -20,10 +20,12 @@ struct Evidence {
   std::vector<KnownChannel> channels_before;
   AllCounters before;
   AllCounters after;
-  std::map<SessionId, ClockOffset> offsets;  ///< Of sessions on other hosts.
-  std::set<SessionId> here;                  ///< On this host, as far as is known for sure: reached by shared memory.
-  std::map<SessionId, std::string> names;    ///< "talker:4711"
-  std::map<SessionId, ChannelUser> silent;   ///< Did not answer.
+  std::map<SessionId, ClockOffset> offsets;   ///< Of sessions on other hosts.
+  std::set<SessionId> here;                   ///< On this host, as far as is known for sure: reached by shared memory.
+  std::map<SessionId, std::string> names;     ///< "talker:4711"
+  std::map<SessionId, ChannelUser> silent;    ///< Did not answer.
+  std::map<std::string, std::string> frames;  ///< By channel: the frame of one of its messages.
+  std::set<std::string> known_frames;         ///< That transforms have.
 
   /// The name of a session; its id if it is not known.
   [[nodiscard]] std::string NameOf(SessionId session) const;
@@ -47,6 +49,8 @@ void CheckSessions(const Evidence& evidence, Findings& findings);
 /// Also reads /proc and /sys, and the folders of the registry.
 void CheckSystem(const Evidence& evidence, Findings& findings);
 
+/// Whether a subscriber receives the channel from a session that this command does not meet, such as on another host.
+[[nodiscard]] bool HasFarPublishers(const Evidence& evidence, const KnownChannel& channel);
 /// Whether a session that uses the channel keeps it from leaving or entering.
 [[nodiscard]] bool IsKeptFromOthers(const Evidence& evidence, const std::string& channel);
 

@@ -16,6 +16,10 @@ namespace {
 constexpr double kBusy = 0.9;  // Share of the time.
 constexpr double kOften = 0.25;
 constexpr std::int64_t kLongTurnNs = 5'000'000;
+// For nodes that hand messages over, as those of Python do.
+constexpr const char* kForPython =
+    "Callbacks of a Python session take turns on one thread. Do less there: give long work to another thread or "
+    "process, use fewer points, or take only the newest message (queue=hgros.KeepLast(1)).";
 
 // What a node did between the two readings.
 struct NodeWork {
@@ -51,19 +55,23 @@ void Check(const NodeWork& work, Findings& findings) {
          fmt::format("{} drops {:.0f} of {:.0f} messages per second of \"{}\", because its queue of {} is full: {}.",
                      work.name, static_cast<double>(work.dropped) / work.seconds,
                      static_cast<double>(work.received) / work.seconds, work.channel, node.queue_depth(), how),
-         slow ? "Make the callback faster or the publisher slower. A larger queue only helps with bursts."
-              : "Give it a larger queue, or its executor more threads."});
+         node.handed_over() ? kForPython
+         : slow             ? "Make the callback faster or the publisher slower. A larger queue only helps with bursts."
+                            : "Give it a larger queue, or its executor more threads."});
   } else if (slow) {
     findings.push_back(
         {Severity::kWarning, "callback",
          fmt::format("{} is busy for {:.0f} % of the time: {}.", work.name, 100 * work.busy, how),
-         "Make the callback faster, the publisher slower, or the node concurrent, before messages pile up."});
+         node.handed_over()
+             ? kForPython
+             : "Make the callback faster, the publisher slower, or the node concurrent, before messages pile up."});
   } else if (node.queue_depth() > 1 && work.before != nullptr && node.queued() >= node.queue_depth() &&
              work.before->queued() >= work.before->queue_depth()) {
-    findings.push_back({Severity::kWarning, "queue",
-                        fmt::format("The queue of {} on \"{}\" is always full ({} messages): {}.", work.name,
-                                    work.channel, node.queue_depth(), how),
-                        "Make the callback faster; messages are as old as the queue is long."});
+    findings.push_back(
+        {Severity::kWarning, "queue",
+         fmt::format("The queue of {} on \"{}\" is always full ({} messages): {}.", work.name, work.channel,
+                     node.queue_depth(), how),
+         node.handed_over() ? kForPython : "Make the callback faster; messages are as old as the queue is long."});
   }
   if (work.failed > 0) {
     findings.push_back({Severity::kFault, "callback",

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "doctor/evidence.hpp"
+#include "robot/offered_params.hpp"
 #include "terminal/units.hpp"
 
 namespace hgros::cli {
@@ -75,6 +76,15 @@ void CheckSilent(const Evidence& evidence, Findings& findings) {
   }
 }
 
+void CheckParams(const Evidence& evidence, Findings& findings) {
+  for (const KnownChannel& channel : evidence.channels) {
+    const std::string twice = OfferedTwice(channel);
+    if (twice.empty() || OfferedTwice(ChannelNamed(evidence.channels_before, channel.name)) != twice) continue;
+    findings.push_back({Severity::kFault, "params", twice + " A change goes to all, and any of them answers.",
+                        std::string(kRenameSession)});
+  }
+}
+
 void CheckVersions(const Evidence& evidence, Findings& findings) {
   std::map<std::string, std::string> programs;
   for (const auto& [session, snapshot] : evidence.after) {
@@ -94,6 +104,7 @@ void CheckSessions(const Evidence& evidence, Findings& findings) {
   CheckSilent(evidence, findings);
   CheckTransports(evidence, findings);
   CheckClocks(evidence, findings);
+  CheckParams(evidence, findings);
   CheckVersions(evidence, findings);
 }
 

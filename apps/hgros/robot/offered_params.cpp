@@ -74,13 +74,31 @@ std::string OnlyParamSession(const Robot& robot) {
   throw ParamRefusal("Several sessions offer parameters: " + all + ". Name one of them first.");
 }
 
+std::string OfferedTwice(const KnownChannel& channel) {
+  const std::string_view name = ParamsOf(channel.name);
+  if (name.empty() || channel.publishers.size() < 2) return {};
+  const std::string& host = channel.publishers.front().host;
+  const bool hosts = std::ranges::any_of(channel.publishers, [&](const ChannelUser& one) { return one.host != host; });
+  std::string all;
+  for (const ChannelUser& user : channel.publishers) all += (all.empty() ? "" : " and ") + ShortName(user, hosts);
+  return all + " offer parameters under one name, \"" + std::string(name) + "\".";
+}
+
 OfferedParams::OfferedParams(Robot& robot, const RobotOptions& options, std::string name)
-    : session_(robot.session()), options_(options), name_(AwaitSession(robot, options, std::move(name))) {}
+    : robot_(robot), options_(options), name_(AwaitSession(robot, options, std::move(name))) {
+  if (const std::string twice = Twice(); !twice.empty()) {
+    robot.surroundings().console.Say(Visible(twice + " " + std::string(kRenameSession)));
+  }
+}
+
+std::string OfferedParams::Twice() const {
+  return OfferedTwice(ChannelNamed(robot_.Channels(true), "params/" + name_ + "/state"));
+}
 
 template <class Ask>
 auto OfferedParams::Asked(const Ask& ask) {
   if (params_ == nullptr || options_.timeout_s) {  // The one before ends last, so that its connection is used again.
-    params_ = std::make_unique<RemoteParams>(session_, name_, options_.Timeout(kParamAnswerTime));
+    params_ = std::make_unique<RemoteParams>(robot_.session(), name_, options_.Timeout(kParamAnswerTime));
   }
   auto answer = ask();
   if (answer.ok()) return answer;
@@ -99,6 +117,7 @@ std::vector<ParamDeclaration> OfferedParams::Declarations(const std::string& pat
 }
 
 void OfferedParams::Change(const std::vector<ParamChange>& changes, IfMissing if_missing) {
+  if (!Twice().empty()) throw ParamRefusal("Nothing was changed, because several sessions offer \"" + name_ + "\".");
   (void)Asked([&] { return params_->Change(changes, if_missing); });
 }
 

@@ -124,6 +124,44 @@ TEST_F(DoctorChecks, MissNoStaticTransformsWhereOthersArePublished) {
   EXPECT_THAT(Say(CheckChannels), IsEmpty());
 }
 
+TEST_F(DoctorChecks, MissNoPublisherThatOnlyTheSubscriberMeets) {
+  AddChannel("velocity", false, true);
+  Count(2, "velocity").second->set_publishers(1);
+  EXPECT_THAT(Say(CheckChannels), IsEmpty());
+}
+
+TEST_F(DoctorChecks, NameTwoChannelsThatDifferByASlash) {
+  AddChannel("/sped", true, true);
+  AddChannel("sped", true, true);
+  EXPECT_THAT(
+      Say(CheckChannels),
+      ElementsAre("\"/sped\", which talker:1 publishes, and \"sped\", which talker:1 publishes, are two channels."));
+}
+
+TEST_F(DoctorChecks, NameFramesThatNoTransformHas) {
+  AddChannel("cloud", true, true);
+  AddChannel("scan", true, true);
+  evidence.frames = {{"cloud", "lasr"}, {"scan", "laser"}};
+  EXPECT_THAT(Say(CheckChannels), IsEmpty()) << "no transforms are known";
+  evidence.known_frames = {"base", "laser"};
+  EXPECT_THAT(Say(CheckChannels),
+              ElementsAre("\"cloud\" of talker:1 is in frame \"lasr\", which no transform had within two seconds. The "
+                          "nearest frame is \"laser\"."));
+  AddChannel("tf", false, true);
+  Count(2, "tf").second->set_publishers(1);
+  EXPECT_THAT(Say(CheckChannels), IsEmpty()) << "a session that is not met sends others";
+}
+
+TEST_F(DoctorChecks, NameSessionsThatOfferParametersUnderOneName) {
+  AddChannel("params/planner/state", true, false);
+  EXPECT_THAT(Say(CheckSessions), IsEmpty());
+  evidence.channels[0].publishers.push_back(UserOf(2, "listener"));
+  EXPECT_THAT(Say(CheckSessions), IsEmpty()) << "for a moment";
+  evidence.channels_before = evidence.channels;
+  EXPECT_THAT(Say(CheckSessions), ElementsAre("talker:1 and listener:2 offer parameters under one name, \"planner\". A "
+                                              "change goes to all, and any of them answers."));
+}
+
 TEST_F(DoctorChecks, NameAMisspelledChannelThatOthersHear) {
   AddChannel("scan_front", true, true);
   AddChannel("scan_frotn", false, true);
@@ -167,6 +205,11 @@ TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
               ElementsAre("listener:2 match is busy for 98 % of the time: its callback takes 49.0 ms and a message "
                           "comes every 10.0 ms."));
   node.set_dropped(80);
+  node.set_handed_over(true);
+  Findings findings;
+  CheckNodes(evidence, findings);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_THAT(findings[0].fix, HasSubstr("queue=hgros.KeepLast(1)"));
   EXPECT_THAT(Say(CheckNodes),
               ElementsAre(HasSubstr(
                   "listener:2 match drops 80 of 100 messages per second of \"scan\", because its queue of 4 is full")));
