@@ -27,13 +27,13 @@ double MedianOf(std::vector<double>& numbers) {
 
 }  // namespace
 
-Eigen::AlignedBox3d BoundsOfMost(std::vector<Eigen::AlignedBox3d> boxes) {
+Eigen::AlignedBox3d BoundsOfMost(std::vector<Eigen::AlignedBox3d> boxes, double far_meters) {
   std::erase_if(boxes, [](const Eigen::AlignedBox3d& box) {
     const auto is_usual = [](const auto& corner) { return (corner.array().abs() <= kLargestNumber).all(); };
     return box.isEmpty() || !is_usual(box.min()) || !is_usual(box.max());
   });
   const Eigen::AlignedBox3d all = Around(boxes);
-  if (boxes.size() < 2 || all.sizes().maxCoeff() <= kFarFromOthersMeters) return all;
+  if (boxes.size() < 2 || all.sizes().maxCoeff() <= far_meters) return all;
   Eigen::Vector3d middle;
   std::vector<double> numbers(boxes.size());
   for (int axis = 0; axis < 3; ++axis) {
@@ -47,7 +47,7 @@ Eigen::AlignedBox3d BoundsOfMost(std::vector<Eigen::AlignedBox3d> boxes) {
   // A quarter is enough to be right: several messages may be malformed.
   const auto usual = numbers.begin() + static_cast<std::ptrdiff_t>((numbers.size() - 1) / 4);
   std::ranges::nth_element(numbers, usual);
-  const double most = std::max(kFarFromOthersMeters, kOutlier * *usual);
+  const double most = std::max(far_meters, kOutlier * *usual);
   std::erase_if(boxes, [&](const Eigen::AlignedBox3d& box) { return reach(box) > most; });
   return Around(boxes);
 }

@@ -4,44 +4,39 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace hgros::viewer {
 
-/// The range of values that colors are spread over. It covers all values except the lowest and highest 2 % (unless that
-/// leaves a single value). It grows in steps, so that it rarely changes.
+/// The range of values that colors are spread over. It covers what was seen last, without outliers: of each message all
+/// values except the lowest and highest 2 % (unless that leaves a single value), and, from 16 messages on, all messages
+/// except the lowest and highest 1 % (at least one). It changes in steps, so that it rarely changes.
 class ValueRange {
  public:
-  /// Returns whether the range has changed. Values that are not numbers are ignored.
-  bool Cover(std::span<const float> values) {
+  static constexpr std::size_t kFewMessages = 16;
+  static constexpr std::size_t kAllMessages = std::numeric_limits<std::size_t>::max();
+
+  /// Covers a message, and forgets all but the last `messages` (at least kFewMessages). Returns whether the range has
+  /// changed. Values that are not numbers are ignored.
+  bool Cover(std::span<const float> values, std::size_t messages = kFewMessages) {
     sample_.clear();
     const std::size_t step = std::max<std::size_t>(1, values.size() / kSample);
     for (std::size_t i = 0; i < values.size(); i += step) {
       if (std::isfinite(values[i])) sample_.push_back(values[i]);
     }
     if (sample_.empty()) return false;
-    const auto tail = static_cast<std::ptrdiff_t>(sample_.size() / 50);
-    const auto low = sample_.begin() + tail;
-    std::ranges::nth_element(sample_, low);
-    float lowest = *low;
-    const auto high = sample_.end() - 1 - tail;
-    std::ranges::nth_element(sample_, high);
-    float highest = *high;
-    if (lowest == highest &&
-        !(known_ && hi_ > lo_)) {  // All values except the outliers are equal, so the outliers count, too.
+    const std::size_t tail = sample_.size() / 50;
+    std::pair<float, float> seen(Lowest(sample_, tail), Highest(sample_, tail));
+    // All values except the outliers are equal, so the outliers count, too.
+    if (seen.first == seen.second && !(known_ && hi_ > lo_)) {
       const auto [least, greatest] = std::ranges::minmax(sample_);
-      lowest = least;
-      highest = greatest;
+      seen = {least, greatest};
     }
-    if (known_ && lowest >= lo_ && highest <= hi_) return false;
-    const float new_lo = known_ ? std::min(lo_, lowest) : lowest;
-    const float new_hi = known_ ? std::max(hi_, highest) : highest;
-    const float margin = known_ ? 0.25F * (new_hi - new_lo) : 0;  // A range that grew once will grow again.
-    if (!known_ || new_lo < lo_) lo_ = new_lo - margin;
-    if (!known_ || new_hi > hi_) hi_ = new_hi + margin;
-    known_ = true;
-    return true;
+    Remember(seen, messages);
+    return Settle();
   }
 
   [[nodiscard]] bool known() const noexcept { return known_; }
@@ -49,27 +44,57 @@ class ValueRange {
   [[nodiscard]] float hi() const noexcept { return hi_ > lo_ ? hi_ : lo_ + 1; }
 
  private:
-  static constexpr std::size_t kSample = 4096;
+  static constexpr std::size_t kSample = 4096;  ///< Of the values of a message, and of all messages.
+
+  /// The lowest without the first `tail`. Changes the order.
+  [[nodiscard]] static float Lowest(std::vector<float>& values, std::size_t tail) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(tail);
+    std::ranges::nth_element(values, at);
+    return *at;
+  }
+  [[nodiscard]] static float Highest(std::vector<float>& values, std::size_t tail) {
+    return Lowest(values, values.size() - 1 - tail);
+  }
+
+  void Remember(const std::pair<float, float>& seen, std::size_t messages) {
+    seen_.push_back(seen);
+    const std::size_t most = std::max(messages, kFewMessages);
+    if (seen_.size() > most) seen_.erase(seen_.begin(), seen_.end() - static_cast<std::ptrdiff_t>(most));
+    if (seen_.size() <= kSample) return;
+    for (std::size_t i = 0; 2 * i < seen_.size(); ++i) seen_[i] = seen_[2 * i];
+    seen_.resize((seen_.size() + 1) / 2);
+  }
+
+  bool Settle() {
+    const std::size_t tail = seen_.size() < kFewMessages ? 0 : std::max<std::size_t>(1, seen_.size() / 128);
+    sample_.resize(seen_.size());
+    std::ranges::transform(seen_, sample_.begin(), [](const auto& one) { return one.first; });
+    const float lowest = Lowest(sample_, tail);
+    std::ranges::transform(seen_, sample_.begin(), [](const auto& one) { return one.second; });
+    const float highest = Highest(sample_, tail);
+    const float spread = highest - lowest;
+    const bool inside = known_ && lowest >= lo_ && highest <= hi_;
+    if (inside && (spread <= 0 || 4 * spread >= hi_ - lo_)) return false;
+    const float new_lo = known_ && !inside ? std::min(lo_, lowest) : lowest;
+    const float new_hi = known_ && !inside ? std::max(hi_, highest) : highest;
+    const float margin = known_ && !inside ? 0.25F * (new_hi - new_lo) : 0;  // A range that grew once will grow again.
+    if (!known_ || inside || new_lo < lo_) lo_ = new_lo - margin;
+    if (!known_ || inside || new_hi > hi_) hi_ = new_hi + margin;
+    known_ = true;
+    return true;
+  }
 
   bool known_ = false;
   float lo_ = 0;
   float hi_ = 1;
   std::vector<float> sample_;
+  std::vector<std::pair<float, float>> seen_;  ///< Lowest and highest value of each message.
 };
 
 /// A value of the range as 8 bits.
 [[nodiscard]] inline std::uint8_t EncodeIn(const ValueRange& range, float value) noexcept {
   const float unit = (value - range.lo()) / (range.hi() - range.lo());
   return static_cast<std::uint8_t>(std::isfinite(unit) ? std::lround(std::clamp(unit, 0.0F, 1.0F) * 255) : 0);
-}
-
-/// The new code of each old code after the range has changed.
-[[nodiscard]] inline std::vector<std::uint8_t> Recoding(const ValueRange& before, const ValueRange& now) {
-  std::vector<std::uint8_t> codes(256);
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    codes[i] = EncodeIn(now, before.lo() + static_cast<float>(i) / 255 * (before.hi() - before.lo()));
-  }
-  return codes;
 }
 
 }  // namespace hgros::viewer

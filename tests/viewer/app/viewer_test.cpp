@@ -696,7 +696,8 @@ TEST_F(ViewerTest, DoesNotReportACloudThatWaitsShortlyForItsTransform) {
     Session robot;
     Transforms transforms(robot);
     auto clouds = robot.Advertise<foxglove::PointCloud>("cloud");
-    transforms.ToTF(Time{1'000'000'000}, "map", "lidar", RigidTransform());
+    const char* const frame = drawn_before ? "lidar" : "camera";
+    transforms.ToTF(Time{1'000'000'000}, "map", frame, RigidTransform());
     transforms.Flush();
     const auto drawn = Until([&](ScriptedSurface& at) {
       EXPECT_TRUE(robot.WaitForSubscribers("cloud", 1, std::chrono::seconds(20)));
@@ -704,10 +705,10 @@ TEST_F(ViewerTest, DoesNotReportACloudThatWaitsShortlyForItsTransform) {
       (void)clouds(CloudAt(1'000'000'000));
       return std::ranges::any_of(at.Pixels(), [](std::uint8_t value) { return value > 150; });
     });
-    // Each cloud is 5 ns newer than the newest transform, until the next one comes.
+    // Each cloud is 5 ns newer than the newest transform, until the next one comes, or its frame has none.
     const ScriptedSurface::Step late = [&, count = 0](ScriptedSurface& at) mutable {
       const std::int64_t now = 1'000'000'000 + (drawn_before ? 10 * ++count : 0);
-      transforms.ToTF(Time{now}, "map", "lidar", RigidTransform());
+      transforms.ToTF(Time{now}, "map", frame, RigidTransform());
       transforms.Flush();
       (void)clouds(CloudAt(now + 5));
       if (at.pictures() < 150) at.Again();
@@ -718,7 +719,7 @@ TEST_F(ViewerTest, DoesNotReportACloudThatWaitsShortlyForItsTransform) {
     const int code = viewer.Run();
     const std::string said = ::testing::internal::GetCapturedStderr();
     EXPECT_EQ(code, drawn_before ? 0 : 1) << said;
-    EXPECT_EQ(said.find("which is too new") == std::string::npos, drawn_before) << said;
+    EXPECT_EQ(said.find("lidar") == std::string::npos, drawn_before) << said;
   }
 }
 

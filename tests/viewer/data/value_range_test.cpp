@@ -17,8 +17,11 @@ TEST(ValueRange, StartsWithTheFirstValuesAndRarelyGrows) {
   EXPECT_EQ(range.hi(), 3);
   EXPECT_FALSE(range.Cover(std::vector<float>{2}));
   int changes = 0;
-  for (int i = 0; i < 1000; ++i) changes += range.Cover(std::vector<float>{static_cast<float>(i)}) ? 1 : 0;
-  EXPECT_GE(range.hi(), 999);
+  for (int i = 0; i < 1000; ++i) {
+    changes += range.Cover(std::vector<float>{static_cast<float>(i)}, ValueRange::kAllMessages) ? 1 : 0;
+  }
+  EXPECT_LE(range.lo(), 7);
+  EXPECT_GE(range.hi(), 992) << "without the outer 1 % of the messages";
   EXPECT_LT(changes, 40);
 }
 
@@ -48,16 +51,31 @@ TEST(ValueRange, CountsOutliersIfAllOtherValuesAreEqual) {
   EXPECT_LT(one.lo(), one.hi());
 }
 
-TEST(ValueRange, RecodedValuesStayTheSame) {
-  ValueRange before;
-  before.Cover(std::vector<float>{0, 10});
-  ValueRange now = before;
-  ASSERT_TRUE(now.Cover(std::vector<float>{40}));
-  const std::vector<std::uint8_t> code = Recoding(before, now);
-  for (const float value : {0.0F, 2.5F, 5.0F, 10.0F}) {
-    const float again = now.lo() + static_cast<float>(code[EncodeIn(before, value)]) / 255 * (now.hi() - now.lo());
-    EXPECT_NEAR(again, value, (now.hi() - now.lo()) / 255 + 10.0F / 255);
-  }
+/// Covers a message of 0, 1, ... 100, times `scale`.
+bool CoverHundred(ValueRange& range, float scale) {
+  std::vector<float> values(101);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = scale * static_cast<float>(i);
+  return range.Cover(values);
+}
+
+TEST(ValueRange, ShrinksAgainAfterAMessageWithAbsurdValues) {
+  ValueRange range;
+  for (int i = 0; i < 5; ++i) CoverHundred(range, 1);
+  CoverHundred(range, 100);
+  EXPECT_GT(range.hi(), 9000) << "it may be the new usual";
+  for (int i = 0; i < 16; ++i) CoverHundred(range, 1);
+  EXPECT_LT(range.hi(), 150);
+  EXPECT_FALSE(CoverHundred(range, 100)) << "one among many does not count";
+  EXPECT_TRUE(CoverHundred(range, 100)) << "two do";
+}
+
+TEST(ValueRange, FollowsSmallerValues) {
+  ValueRange range;
+  for (int i = 0; i < 20; ++i) CoverHundred(range, 1);
+  int changes = 0;
+  for (int i = 0; i < 40; ++i) changes += CoverHundred(range, 0.1F) ? 1 : 0;
+  EXPECT_EQ(changes, 1);
+  EXPECT_LT(range.hi(), 20);
 }
 
 }  // namespace

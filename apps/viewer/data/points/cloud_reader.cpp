@@ -124,6 +124,25 @@ class ColorFields {
   std::array<std::optional<FieldValues>, 3> channels_;
 };
 
+/// A place among most of the points: the median of a sample, along each axis.
+Eigen::Vector3d MiddleOf(const std::array<std::optional<FieldValues>, 3>& axes, std::size_t count) {
+  constexpr std::size_t kSample = 101;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  std::vector<double> sample;
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    if (!axes[axis]) continue;
+    sample.clear();
+    for (std::size_t i = 0; i < count; i += count / kSample + 1) {
+      if (const double at = (*axes[axis])[i]; std::isfinite(at)) sample.push_back(at);
+    }
+    if (sample.empty()) continue;
+    const auto half = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+    std::ranges::nth_element(sample, half);
+    middle[static_cast<Eigen::Index>(axis)] = *half;
+  }
+  return middle;
+}
+
 /// The field that is used if none is requested.
 std::string UsualScalar(const std::vector<std::string>& fields) {
   for (const std::string_view name : {"intensity", "i", "reflectivity", "intensities"}) {
@@ -170,19 +189,14 @@ std::string ReadCloud(const Bulk<foxglove::PointCloud>& cloud, std::string_view 
   read.positions.reserve(count);
   if (values) read.scalars.reserve(count);
   if (colors.any()) read.colors.reserve(count);
-  // Doubles may be too large for floats, so the common offset of all points becomes a part of the pose.
+  // Doubles may be too large for floats, so the common offset of most points becomes a part of the pose.
   const bool wide = axes[0]->type() == NumericType::kFloat64 || axes[1]->type() == NumericType::kFloat64;
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-  bool shifted = false;
+  const Eigen::Vector3d shift = wide ? MiddleOf(axes, count) : Eigen::Vector3d(0, 0, 0);
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d at((*axes[0])[i], (*axes[1])[i], axes[2] ? (*axes[2])[i] : 0.0);
     if (!at.allFinite()) {
       ++read.left_out;
       continue;
-    }
-    if (wide && !shifted) {
-      shift = at;
-      shifted = true;
     }
     read.positions.emplace_back((at - shift).cast<float>());
     if (values) read.scalars.push_back(static_cast<float>((*values)[i]));

@@ -4,8 +4,7 @@
 
 namespace hgros::viewer {
 
-/// Removes the points that are far from all others (BoundsOfMost). A single one would take the precision of the others,
-/// which are stored relative to the box around all.
+/// Removes the points that are far from all others (BoundsOfMost): they are malformed.
 void LeaveOutFar(PointBatch& batch);
 
 }  // namespace hgros::viewer

@@ -14,7 +14,12 @@ std::size_t PageBook::CellHash::operator()(const Cell& cell) const noexcept {
   return static_cast<std::size_t>(mixed ^ mixed >> 29U);
 }
 
-PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions) {
+PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions, const Eigen::AlignedBox3d& box) {
+  extent_.extend(box);
+  if (const double wanted = CellFor(extent_.isEmpty() ? 0 : extent_.sizes().maxCoeff()); wanted > cell_meters_) {
+    cell_meters_ = wanted;
+    ClosePages();
+  }
   // Counting sort by cell: a message has far fewer cells than points.
   struct Touched {
     Cell cell;
@@ -76,7 +81,7 @@ PageBook::Added PageBook::Add(std::span<const Eigen::Vector3d> positions) {
 }
 
 double PageBook::CellFor(double extent_meters) {
-  const double wanted = std::clamp(extent_meters / 8, 0.0625, 64.0);
+  const double wanted = std::clamp(extent_meters / 8, 0.0625, 16.0);
   return std::exp2(std::round(std::log2(wanted)));
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,9 +10,9 @@
 namespace hgros::viewer {
 
 /// Assigns kept points to pages. Space is divided into cells, and each cell fills pages of equal size, so that a point
-/// costs 4 bytes (cell_code) plus its color, and is never moved. Pages are numbered in the order in which they begin.
-/// The owner of the GPU memory puts many pages into one buffer. The book remembers only where to continue writing, not
-/// the points.
+/// costs 4 bytes (cell_code) plus its color, and is never moved. Cells grow with the space that is used, so that there
+/// are few pages with little in them. Pages are numbered in the order in which they begin. The owner of the GPU memory
+/// puts many pages into one buffer. The book remembers only where to continue writing, not the points.
 class PageBook {
  public:
   static constexpr std::size_t kPagePoints = 256;
@@ -28,22 +28,24 @@ class PageBook {
     std::vector<Run> runs;
     std::vector<std::uint32_t> codes;  ///< Code of each point, in the order of the runs.
     std::vector<std::uint32_t> order;  ///< Index of each point in the input.
-    /// Lower corners of the new pages. Their numbers continue from the old pages().
+    /// Lower corners of the new pages, whose cells have the edge cell_meters(). Their numbers continue from the old
+    /// pages().
     std::vector<Eigen::Vector3d> new_pages;
   };
 
-  /// `cell_meters` is the edge of a cell. Positions are exact to about 1/4000 of it (z: 1/2000).
-  explicit PageBook(double cell_meters) : cell_meters_(cell_meters) {}
-
-  [[nodiscard]] Added Add(std::span<const Eigen::Vector3d> positions);
+  /// Positions are exact to about 1/4000 of their cell (z: 1/2000). `box` is around them, without outliers.
+  [[nodiscard]] Added Add(std::span<const Eigen::Vector3d> positions, const Eigen::AlignedBox3d& box);
+  /// Further points begin new pages.
+  void ClosePages() { cells_.clear(); }
 
   [[nodiscard]] std::size_t pages() const noexcept { return pages_; }
   [[nodiscard]] std::size_t points() const noexcept { return points_; }
   [[nodiscard]] std::size_t cells() const noexcept { return cells_.size(); }
+  /// The edge of the cells of new pages; 0 before the first point.
   [[nodiscard]] double cell_meters() const noexcept { return cell_meters_; }
 
   /// The edge of cells for points spread over `extent_meters`: a power of two, so that steps are finer than 1/30000 of
-  /// the extent.
+  /// the extent, and at most 16 m, so that positions are exact to 1 cm.
   [[nodiscard]] static double CellFor(double extent_meters);
 
  private:
@@ -63,7 +65,8 @@ class PageBook {
     std::uint64_t add = 0;
   };
 
-  double cell_meters_;
+  double cell_meters_ = 0;
+  Eigen::AlignedBox3d extent_;
   std::unordered_map<Cell, Open, CellHash> cells_;
   std::size_t pages_ = 0;
   std::size_t points_ = 0;

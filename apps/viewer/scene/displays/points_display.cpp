@@ -1,7 +1,9 @@
 #include "viewer/scene/displays/points_display.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -17,11 +19,7 @@ constexpr std::size_t kKeepCapacity = 100'000;  // positions; memory for more is
 }  // namespace
 
 Change PointsDisplay::Update(const UpdateContext& context) {
-  Change change = Change::kNothing;
-  if (context.frame_changed) {
-    Clear();
-    change = Change::kRedraw;
-  }
+  Change change = context.frame_changed || context.transforms_changed ? PlaceAgain(context) : Change::kNothing;
   if (std::exchange(setting_changed_, false)) change = Change::kRedraw;
   for (Read& read : ReadArrived(field_, MostMessages())) {
     if (!read.fault.empty()) {
@@ -50,36 +48,60 @@ std::size_t PointsDisplay::MostMessages() const {
                          : std::numeric_limits<std::size_t>::max();
 }
 
+Change PointsDisplay::PlaceAgain(const UpdateContext& context) {
+  if (context.frame_changed) axis_ranges_ = {};
+  bool placed = recent_.PlaceAgain(context.frame, context.frame_changed, lost_);
+  for (KeptPoints& kept : kept_) placed |= kept.PlaceAgain(context.frame, context.frame_changed);
+  if (!context.frame_changed && !placed) return Change::kNothing;
+  if (const Eigen::AlignedBox3d box = Bounds(); !box.isEmpty()) {
+    const Eigen::AlignedBox3f ends = box.cast<float>();
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::array<float, 2> both = {ends.min()[axis], ends.max()[axis]};
+      (void)axis_ranges_[static_cast<std::size_t>(axis)].Cover(both);
+    }
+  }
+  return Change::kRedraw;
+}
+
 Change PointsDisplay::PlaceWaiting(const UpdateContext& context) {
   Change change = Change::kNothing;
   while (!waiting_.empty()) {
-    const Waiting& next = waiting_.front();
+    Waiting& next = waiting_.front();
     context.frame.Saw(next.batch.frame);
     RigidTransform T_fixed_frame;
     std::string why;
-    const FixedFrame::Answer answer = context.frame.Find(next.batch.frame, next.batch.stamp, T_fixed_frame, why);
+    FixedFrame::Answer answer = context.frame.Find(next.batch.frame, next.batch.stamp, T_fixed_frame, why);
+    const bool newest = waiting_.size() == 1;
+    next.late = context.now_s - next.since_s >= kLongestWaitS;
+    if (answer != FixedFrame::Answer::kFound && newest && next.late) {  // As grids are placed.
+      std::string ignored;
+      answer = context.frame.Find(next.batch.frame, T_fixed_frame, ignored);
+    }
     if (answer == FixedFrame::Answer::kFound) {
       fault_.clear();
-      const bool recolored = Place(next.batch, T_fixed_frame, context.now_s);
+      lost_.clear();
+      if (next.reported) --unplaced_;
+      const bool recolored = Place(next.batch, T_fixed_frame, context);
       const Change placed = keep_ != kForEver ? Change::kMoving : recolored ? Change::kRedraw : Change::kAppended;
       change = std::max(change, placed);
+    } else if (answer == FixedFrame::Answer::kLater && !next.late) {
+      waits_for_ = std::move(why);
+      break;  // Those after it are even later.
     } else {
-      const bool patient = answer == FixedFrame::Answer::kLater && context.now_s - next.since_s < kLongestWaitS;
-      if (patient) {
-        waits_for_ = std::move(why);
-        break;  // Those after it are even later.
-      }
       fault_ = std::move(why);
-      ++unplaced_;
+      waits_for_.clear();
+      if (!std::exchange(next.reported, true)) ++unplaced_;
+      if (newest) break;  // Its transform may still come.
     }
     waiting_.pop_front();
   }
   return change;
 }
 
-bool PointsDisplay::Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s) {
+bool PointsDisplay::Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, const UpdateContext& context) {
   const RigidTransform T_fixed_points = T_fixed_frame * batch.T_frame_points;
   const PlacedPoints placed(batch.positions, T_fixed_points);
+  const std::size_t shown = keep_ == kForEver ? ValueRange::kAllMessages : recent_.messages() + 1;
 
   bool other_range = false;
   if (!placed.empty()) {
@@ -88,30 +110,30 @@ bool PointsDisplay::Place(const PointBatch& batch, const RigidTransform& T_fixed
     for (int axis = 0; axis < 3; ++axis) {
       sample.clear();
       for (std::size_t i = 0; i < placed.size(); i += step) sample.push_back(static_cast<float>(placed[i][axis]));
-      const bool other = axis_ranges_[static_cast<std::size_t>(axis)].Cover(sample);
+      const bool other = axis_ranges_[static_cast<std::size_t>(axis)].Cover(sample, shown);
       other_range |= other && color_by_ == static_cast<int>(ColorBy::kAxis) && axis == axis_;
     }
-    other_range |= value_range_.Cover(batch.scalars) && color_by_ == static_cast<int>(ColorBy::kScalar);
+    other_range |= value_range_.Cover(batch.scalars, shown) && color_by_ == static_cast<int>(ColorBy::kScalar);
   }
 
   if (keep_ == kForEver) {
-    Keep(placed, batch);
+    Keep(placed, batch, context.frame.name());
   } else {
-    recent_.Add(placed, batch.scalars, batch.colors, now_s);
+    recent_.Add(batch, context.frame.name(), T_fixed_frame, context.now_s);
   }
   return other_range && auto_range_;
 }
 
-void PointsDisplay::Keep(const PlacedPoints& placed, const PointBatch& batch) {
+void PointsDisplay::Keep(const PlacedPoints& placed, const PointBatch& batch, const std::string& fixed_frame) {
+  if (placed.empty()) return;
   placed_.resize(placed.size());
   for (std::size_t i = 0; i < placed.size(); ++i) placed_[i] = placed[i];
-  if (!kept_ && !placed_.empty()) {
-    Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d& at : placed_) box.extend(at);
-    kept_ = std::make_unique<KeptPoints>(PageBook::CellFor(box.sizes().maxCoeff()), !batch.scalars.empty(),
-                                         !batch.colors.empty());
+  auto kept = std::ranges::find(kept_, fixed_frame, &KeptPoints::frame);
+  if (kept == kept_.end()) {
+    kept_.emplace_back(fixed_frame, !batch.scalars.empty(), !batch.colors.empty());
+    kept = std::prev(kept_.end());
   }
-  if (kept_) kept_->Add(placed_, batch.scalars, batch.colors);
+  kept->Add(placed_, batch.scalars, batch.colors);
   placed_.clear();
   if (placed_.capacity() > kKeepCapacity) placed_.shrink_to_fit();
 }
@@ -132,11 +154,11 @@ PointStyle PointsDisplay::Style(float scale) const {
 }
 
 void PointsDisplay::DrawNew(const DrawContext& context) {
-  if (kept_) kept_->DrawNew(context.points, context.view, Style(context.scale));
+  for (KeptPoints& kept : kept_) kept.DrawNew(context.points, context.view, Style(context.scale));
 }
 
 void PointsDisplay::DrawSettled(const DrawContext& context, const Slice& slice) {
-  if (kept_) kept_->Draw(context.points, context.view, Style(context.scale), slice);
+  for (KeptPoints& kept : kept_) kept.Draw(context.points, context.view, Style(context.scale), slice);
 }
 
 void PointsDisplay::DrawMoving(const DrawContext& context) {
@@ -152,7 +174,7 @@ Change PointsDisplay::LookBack(double newest_s, double back_s) {
 std::string PointsDisplay::ValueAt(const Eigen::Vector3d& at, double radius_m) const {
   NearestPoint nearest{radius_m, std::nullopt};
   recent_.Find(at, shown_until_s_, nearest);
-  if (kept_) kept_->Find(at, nearest);
+  for (const KeptPoints& kept : kept_) kept.Find(at, nearest);
   if (!nearest.value || shown_field_.empty()) return {};
   char text[64];
   std::snprintf(text, sizeof text, " = %.4g", static_cast<double>(*nearest.value));
@@ -160,9 +182,10 @@ std::string PointsDisplay::ValueAt(const Eigen::Vector3d& at, double radius_m) c
 }
 
 void PointsDisplay::Clear() {
-  kept_.reset();
+  kept_.clear();
   recent_.Clear();
   waiting_.clear();
+  lost_.clear();
   axis_ranges_ = {};
   value_range_ = {};
 }
@@ -224,7 +247,9 @@ void PointsDisplay::OnSetting(const std::string& name) {
 
 std::vector<std::string> PointsDisplay::Status() const {
   std::vector<std::string> lines;
-  if (!fault_.empty()) lines.push_back(fault_);
+  for (const std::string& fault : {fault_, lost_}) {
+    if (!fault.empty()) lines.push_back(fault);
+  }
   if (received() == 0) lines.emplace_back("Nothing has arrived yet.");
   if (empty_ && fault_.empty()) lines.emplace_back("The last message has no points.");
   lines.push_back(Counted(points(), "point", "points"));
@@ -249,14 +274,26 @@ std::vector<std::string> PointsDisplay::Status() const {
 
 Eigen::AlignedBox3d PointsDisplay::Bounds() const {
   Eigen::AlignedBox3d bounds = recent_.Bounds();
-  if (kept_) bounds.extend(kept_->Bounds());
+  for (const KeptPoints& kept : kept_) bounds.extend(kept.Bounds());
   return bounds;
+}
+
+std::size_t PointsDisplay::settled_points() const {
+  std::size_t points = 0;
+  for (const KeptPoints& kept : kept_) points += kept.points();
+  return points;
+}
+
+std::size_t PointsDisplay::gpu_bytes() const {
+  std::size_t bytes = recent_.gpu_bytes();
+  for (const KeptPoints& kept : kept_) bytes += kept.gpu_bytes();
+  return bytes;
 }
 
 double PointsDisplay::next_change_s() const {
   double next = std::numeric_limits<double>::infinity();
   if (keep_ == kTime) next = recent_.oldest_s() + keep_s_;
-  if (!waiting_.empty()) next = std::min(next, waiting_.front().since_s + kLongestWaitS);
+  if (!waiting_.empty() && !waiting_.front().late) next = std::min(next, waiting_.front().since_s + kLongestWaitS);
   return next;
 }
 

@@ -3,10 +3,10 @@
 #include <array>
 #include <deque>
 #include <limits>
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "viewer/data/points/placed_points.hpp"
 #include "viewer/data/points/point_batch.hpp"
 #include "viewer/data/value_range.hpp"
 #include "viewer/scene/display.hpp"
@@ -27,12 +27,12 @@ class PointsDisplay : public Display {
   [[nodiscard]] std::vector<Setting> Settings() final;
   void OnSetting(const std::string& name) final;
   [[nodiscard]] std::vector<std::string> Status() const final;
-  [[nodiscard]] bool HasFault() const final { return !fault_.empty(); }
+  [[nodiscard]] bool HasFault() const final { return !fault_.empty() || !lost_.empty(); }
   [[nodiscard]] std::string WaitsFor() const final { return waiting_.empty() ? std::string() : waits_for_; }
-  [[nodiscard]] std::size_t settled_points() const final { return kept_ ? kept_->points() : 0; }
+  [[nodiscard]] std::size_t settled_points() const final;
   [[nodiscard]] std::size_t moving_points() const final { return recent_.points(); }
   [[nodiscard]] std::size_t points() const final { return settled_points() + recent_.points(); }
-  [[nodiscard]] std::size_t gpu_bytes() const final { return (kept_ ? kept_->gpu_bytes() : 0) + recent_.gpu_bytes(); }
+  [[nodiscard]] std::size_t gpu_bytes() const final;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const final;
   [[nodiscard]] double next_change_s() const final;
   [[nodiscard]] Change LookBack(double newest_s, double back_s) final;
@@ -54,23 +54,28 @@ class PointsDisplay : public Display {
   struct Waiting {
     PointBatch batch;
     double since_s;
+    bool late = false;      ///< It has waited for kLongestWaitS.
+    bool reported = false;  ///< It is counted in unplaced_.
   };
 
   [[nodiscard]] std::size_t MostMessages() const;
   [[nodiscard]] PointStyle Style(float scale) const;
   /// Places a batch in the fixed frame. Returns whether the range of the colors has changed.
-  bool Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, double now_s);
-  void Keep(const PlacedPoints& placed, const PointBatch& batch);
+  bool Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, const UpdateContext& context);
+  void Keep(const PlacedPoints& placed, const PointBatch& batch, const std::string& fixed_frame);
   [[nodiscard]] Change PlaceWaiting(const UpdateContext& context);
+  /// Places what is shown in another fixed frame.
+  [[nodiscard]] Change PlaceAgain(const UpdateContext& context);
 
   std::deque<Waiting> waiting_;  ///< Batches that wait for their transforms.
-  std::unique_ptr<KeptPoints> kept_;
+  std::deque<KeptPoints> kept_;  ///< One for each fixed frame in which points came.
   RecentPoints recent_;
   std::array<ValueRange, 3> axis_ranges_;
   ValueRange value_range_;
   std::vector<Eigen::Vector3d> placed_;
   std::vector<std::string> fields_;
   std::string fault_;
+  std::string lost_;       ///< Why the last message has no place in the new fixed frame.
   std::string waits_for_;  ///< Why the first of waiting_ has no place yet.
   std::string shown_field_;
   std::string frame_;  ///< The frame of the last message.

@@ -78,6 +78,9 @@ void ShaderProgram::Set(std::string_view uniform, const Eigen::Vector3f& value) 
 void ShaderProgram::Set(std::string_view uniform, const Eigen::Vector4f& value) {
   glUniform4fv(Location(uniform), 1, value.data());
 }
+void ShaderProgram::Set(std::string_view uniform, const Eigen::Matrix3f& value) {
+  glUniformMatrix3fv(Location(uniform), 1, GL_FALSE, value.data());
+}
 void ShaderProgram::Set(std::string_view uniform, const Eigen::Matrix4f& value) {
   glUniformMatrix4fv(Location(uniform), 1, GL_FALSE, value.data());
 }

@@ -29,6 +29,7 @@ class ShaderProgram {
   void Set(std::string_view uniform, const Eigen::Vector2f& value);
   void Set(std::string_view uniform, const Eigen::Vector3f& value);
   void Set(std::string_view uniform, const Eigen::Vector4f& value);
+  void Set(std::string_view uniform, const Eigen::Matrix3f& value);
   void Set(std::string_view uniform, const Eigen::Matrix4f& value);
 
  private:

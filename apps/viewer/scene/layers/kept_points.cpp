@@ -6,6 +6,7 @@
 
 #include "viewer/data/bounds_of_most.hpp"
 #include "viewer/data/points/cell_code.hpp"
+#include "viewer/data/points/point_boxes.hpp"
 #include "viewer/scene/gl/software_renderer.hpp"
 
 namespace hgros::viewer {
@@ -32,12 +33,12 @@ void Write(const GlBuffer& buffer, std::size_t first, std::span<const T> values)
 }
 
 /// Whether a part of a box may be visible.
-bool InPicture(const Eigen::AlignedBox3d& box, const ViewMatrices& view) {
+bool InPicture(const Eigen::AlignedBox3d& box, const RigidTransform& T_fixed_box, const ViewMatrices& view) {
   Eigen::Vector3i below = Eigen::Vector3i::Zero();
   Eigen::Vector3i above = Eigen::Vector3i::Zero();
   for (int i = 0; i < 8; ++i) {
     const Eigen::Vector3f corner =
-        (box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)) - view.eye).cast<float>();
+        (T_fixed_box * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)) - view.eye).cast<float>();
     const Eigen::Vector4f clip = view.clip_from_eye * corner.homogeneous();
     for (int axis = 0; axis < 3; ++axis) {
       below[axis] += clip[axis] < -clip.w() ? 1 : 0;
@@ -49,8 +50,17 @@ bool InPicture(const Eigen::AlignedBox3d& box, const ViewMatrices& view) {
 
 }  // namespace
 
-KeptPoints::KeptPoints(double cell_meters, bool with_values, bool with_colors)
-    : book_(cell_meters), with_values_(with_values), with_colors_(with_colors) {}
+KeptPoints::KeptPoints(std::string frame, bool with_values, bool with_colors)
+    : frame_(std::move(frame)), with_values_(with_values), with_colors_(with_colors) {}
+
+bool KeptPoints::PlaceAgain(const FixedFrame& fixed, bool frame_changed) {
+  if (T_fixed_kept_ && !frame_changed) return false;
+  RigidTransform T_fixed_kept;
+  std::string why_not;
+  T_fixed_kept_.reset();
+  if (fixed.Find(frame_, T_fixed_kept, why_not) == FixedFrame::Answer::kFound) T_fixed_kept_ = T_fixed_kept;
+  return T_fixed_kept_.has_value();
+}
 
 KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
   Slab slab;
@@ -58,7 +68,7 @@ KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
   slab.codes = MakeBuffer(GL_ARRAY_BUFFER, kSlabPoints * sizeof(std::uint32_t));
   if (with_values_) slab.values = MakeBuffer(GL_ARRAY_BUFFER, kSlabPoints);
   if (with_colors_) slab.colors = MakeBuffer(GL_ARRAY_BUFFER, kSlabPoints * sizeof(std::uint16_t));
-  slab.pages = MakeBuffer(GL_TEXTURE_BUFFER, kSlabPages * sizeof(Eigen::Vector4f));
+  slab.pages = MakeBuffer(GL_TEXTURE_BUFFER, kSlabPages * sizeof(PageRow));
   slab.page_texture = GlTexture::New();
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_BUFFER, slab.page_texture.name());
@@ -66,37 +76,38 @@ KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
   return slab;
 }
 
-void KeptPoints::BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners) {
+void KeptPoints::BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners,
+                            const Eigen::Vector3d& middle) {
   std::array<std::uint32_t, kPage> empty;
   empty.fill(cell_code::kNowhere);
   const Eigen::Vector3d edge = Eigen::Vector3d::Constant(book_.cell_meters());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::size_t page = first + i;
-    if (page / kSlabPages == slabs_.size()) slabs_.push_back(MakeSlab(corners[i]));
+    if (page / kSlabPages == slabs_.size()) slabs_.push_back(MakeSlab(middle));
     Slab& slab = slabs_[page / kSlabPages];
     const std::size_t in_slab = page % kSlabPages;
     slab.used_pages = in_slab + 1;
     slab.bounds.extend(Eigen::AlignedBox3d(corners[i], corners[i] + edge));
     Write<std::uint32_t>(slab.codes, in_slab * kPage, empty);
-    Eigen::Vector4f row = Eigen::Vector4f::Zero();
-    row.head<3>() = (corners[i] - slab.origin).cast<float>();
-    Write<float>(slab.pages, in_slab * 4, std::span(row.data(), 4));
+    const Eigen::Vector3f corner = (corners[i] - slab.origin).cast<float>();
+    const PageRow row = {corner.x(),  corner.y(),  corner.z(), static_cast<float>(book_.cell_meters()),
+                         range_.lo(), range_.hi(), 0,          0};
+    Write<float>(slab.pages, in_slab * row.size(), row);
   }
 }
 
 void KeptPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
                      std::span<const std::uint32_t> colors) {
   if (positions.empty()) return;
+  const Eigen::AlignedBox3d box = BoxesAround(positions).most;
+  if (with_values_ && range_.Cover(values)) book_.ClosePages();
   const std::size_t first_page = book_.pages();
-  const PageBook::Added added = book_.Add(positions);
-  BeginPages(first_page, added.new_pages);
-
-  AddToRegion(positions);
+  const PageBook::Added added = book_.Add(positions, box);
+  BeginPages(first_page, added.new_pages, box.center());
+  AddToRegion(box);
 
   std::vector<std::uint8_t> value_codes;
   if (with_values_) {
-    const ValueRange before = range_;
-    if (range_.Cover(values) && before.known()) Recode(before);
     value_codes.resize(positions.size());
     if (!values.empty()) {
       std::ranges::transform(added.order, value_codes.begin(),
@@ -123,9 +134,7 @@ void KeptPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const
   }
 }
 
-void KeptPoints::AddToRegion(std::span<const Eigen::Vector3d> positions) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& at : positions) box.extend(at);
+void KeptPoints::AddToRegion(const Eigen::AlignedBox3d& box) {
   const auto region = std::ranges::find_if(
       regions_, [&](const Region& known) { return known.box.merged(box).sizes().maxCoeff() <= kFarFromOthersMeters; });
   if (region == regions_.end()) {
@@ -138,29 +147,18 @@ void KeptPoints::AddToRegion(std::span<const Eigen::Vector3d> positions) {
 }
 
 Eigen::AlignedBox3d KeptPoints::Bounds() const {
+  if (!T_fixed_kept_) return {};
   constexpr std::size_t kShares = 64;
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const Region& region : regions_)
     boxes.insert(boxes.end(), 1 + kShares * region.messages / messages_, region.box);
-  return BoundsOfMost(std::move(boxes));
-}
-
-void KeptPoints::Recode(const ValueRange& before) {
-  const std::vector<std::uint8_t> code = Recoding(before, range_);
-  for (Slab& slab : slabs_) {
-    const std::size_t count = slab.used_pages * kPage;
-    glBindBuffer(GL_ARRAY_BUFFER, slab.values.name());
-    auto* const values = static_cast<std::uint8_t*>(
-        glMapBufferRange(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(count), GL_MAP_READ_BIT | GL_MAP_WRITE_BIT));
-    if (values == nullptr) continue;  // They have the colors of the old range.
-    std::transform(values, values + count, values, [&](std::uint8_t old) { return code[old]; });
-    glUnmapBuffer(GL_ARRAY_BUFFER);
-  }
+  const Eigen::AlignedBox3d bounds = BoundsOfMost(std::move(boxes));
+  return bounds.isEmpty() ? bounds : bounds.transformed(T_fixed_kept_->Isometry());
 }
 
 void KeptPoints::Bind(PointPrograms& programs, ShaderProgram& program, const ViewMatrices& view,
                       const PointStyle& style, const Slab& slab, const Slice& slice) {
-  programs.SetOrigin(program, view, style, slab.origin, range_.lo(), range_.hi());
+  programs.SetPlace(program, view, style, *T_fixed_kept_ * RigidTransform({1, 0, 0, 0}, slab.origin));
   program.Set("stride", static_cast<int>(slice.count));
   program.Set("first", static_cast<int>(slice.index));
   glActiveTexture(GL_TEXTURE1);
@@ -186,11 +184,10 @@ void KeptPoints::Bind(PointPrograms& programs, ShaderProgram& program, const Vie
 }
 
 void KeptPoints::DrawNew(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style) {
-  if (slabs_.empty()) return;
+  if (slabs_.empty() || !T_fixed_kept_) return;
   if (!vertices_) vertices_ = GlVertexArray::New();
   glBindVertexArray(vertices_.name());
   ShaderProgram& program = programs.Begin(true, view, style);
-  program.Set("cell", static_cast<float>(book_.cell_meters()));
   for (Slab& slab : slabs_) {
     if (slab.new_firsts.empty()) continue;
     Bind(programs, program, view, style, slab, {});
@@ -202,17 +199,16 @@ void KeptPoints::DrawNew(PointPrograms& programs, const ViewMatrices& view, cons
 }
 
 void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style, const Slice& slice) {
-  if (slabs_.empty()) return;
+  if (slabs_.empty() || !T_fixed_kept_) return;
   if (!vertices_) vertices_ = GlVertexArray::New();
   glBindVertexArray(vertices_.name());
   ShaderProgram& program = programs.Begin(true, view, style);
-  program.Set("cell", static_cast<float>(book_.cell_meters()));
   DrawnPoints waiting;
   for (Slab& slab : slabs_) {
     slab.new_firsts.clear();
     slab.new_counts.clear();
     const std::size_t points = slab.used_pages * kPage;
-    if (points <= slice.index || !InPicture(slab.bounds, view)) continue;
+    if (points <= slice.index || !InPicture(slab.bounds, *T_fixed_kept_, view)) continue;
     Bind(programs, program, view, style, slab, slice);
     const std::size_t drawn = (points - slice.index + slice.count - 1) / slice.count;
     for (std::size_t from = 0; from < drawn; from += DrawnPoints::kAtOnce) {
@@ -224,20 +220,22 @@ void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const P
 }
 
 void KeptPoints::Find(const Eigen::Vector3d& at, NearestPoint& nearest) const {
-  const double cell = book_.cell_meters();
+  if (!T_fixed_kept_) return;
+  const Eigen::Vector3d at_kept = T_fixed_kept_->Inverse() * at;
   std::array<std::uint32_t, kPage> codes;
   std::array<std::uint8_t, kPage> values;
-  std::vector<Eigen::Vector4f> corners;
+  std::vector<PageRow> rows;
   for (const Slab& slab : slabs_) {
-    if (slab.bounds.exteriorDistance(at) > nearest.distance_m) continue;
-    corners.resize(slab.used_pages);
+    if (slab.bounds.exteriorDistance(at_kept) > nearest.distance_m) continue;
+    rows.resize(slab.used_pages);
     glBindBuffer(GL_ARRAY_BUFFER, slab.pages.name());
-    glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(corners.size() * sizeof(Eigen::Vector4f)),
-                       corners.data());
-    for (std::size_t page = 0; page < corners.size(); ++page) {
-      const Eigen::Vector3d corner = slab.origin + corners[page].head<3>().cast<double>();
+    glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(rows.size() * sizeof(PageRow)), rows.data());
+    for (std::size_t page = 0; page < rows.size(); ++page) {
+      const auto& [x, y, z, edge, lowest, highest, unused_1, unused_2] = rows[page];
+      const Eigen::Vector3d corner = slab.origin + Eigen::Vector3f(x, y, z).cast<double>();
+      const auto cell = static_cast<double>(edge);
       const Eigen::AlignedBox3d box(corner, corner + Eigen::Vector3d::Constant(cell));
-      if (box.exteriorDistance(at) > nearest.distance_m) continue;
+      if (box.exteriorDistance(at_kept) > nearest.distance_m) continue;
       glBindBuffer(GL_ARRAY_BUFFER, slab.codes.name());
       glGetBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(page * sizeof codes), sizeof codes, codes.data());
       if (with_values_) {
@@ -246,19 +244,19 @@ void KeptPoints::Find(const Eigen::Vector3d& at, NearestPoint& nearest) const {
       }
       for (std::size_t i = 0; i < kPage; ++i) {
         if (codes[i] == cell_code::kNowhere) continue;
-        const double distance_m = (corner + cell * cell_code::Decode(codes[i]) - at).norm();
+        const double distance_m = (corner + cell * cell_code::Decode(codes[i]) - at_kept).norm();
         if (distance_m > nearest.distance_m) continue;
         nearest.distance_m = distance_m;
         nearest.value.reset();
-        if (with_values_)
-          nearest.value = range_.lo() + static_cast<float>(values[i]) / 255 * (range_.hi() - range_.lo());
+        if (with_values_) nearest.value = lowest + static_cast<float>(values[i]) / 255 * (highest - lowest);
       }
     }
   }
 }
 
 std::size_t KeptPoints::gpu_bytes() const noexcept {
-  return slabs_.size() * (kSlabPoints * (4U + (with_values_ ? 1U : 0U) + (with_colors_ ? 2U : 0U)) + kSlabPages * 16U);
+  return slabs_.size() *
+         (kSlabPoints * (4U + (with_values_ ? 1U : 0U) + (with_colors_ ? 2U : 0U)) + kSlabPages * sizeof(PageRow));
 }
 
 }  // namespace hgros::viewer

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "viewer/data/frames/fixed_frame.hpp"
 #include "viewer/data/points/page_book.hpp"
 #include "viewer/data/value_range.hpp"
 #include "viewer/scene/gl/gl_object.hpp"
@@ -17,17 +20,20 @@
 namespace hgros::viewer {
 
 /// Points that are kept forever: 4 bytes each on the GPU, 1 more for a value, 2 more for a color, and nothing on the
-/// CPU. Memory is allocated in slabs, so that nothing is copied when it grows. Thread: the one whose GL context is
-/// current.
+/// CPU. They have the coordinates of the fixed frame in which they came. Memory is allocated in slabs, so that nothing
+/// is copied when it grows. Thread: the one whose GL context is current.
 class KeptPoints {
  public:
-  /// `cell_meters` is that of PageBook. Only the requested parts are stored.
-  KeptPoints(double cell_meters, bool with_values, bool with_colors);
+  /// `frame` is the fixed frame. Only the requested parts are stored.
+  KeptPoints(std::string frame, bool with_values, bool with_colors);
 
   /// Adds the points of a message. `values` and `colors` are as long as `positions`, or unused. Colors have red in the
   /// lowest byte.
   void Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
            std::span<const std::uint32_t> colors);
+  /// Call it when the fixed frame or a transform has changed. In another fixed frame, all points move to the place that
+  /// their old one has there now, and stay. Until it is known, they are not shown. Returns whether they were placed.
+  bool PlaceAgain(const FixedFrame& fixed, bool frame_changed);
 
   /// Draws what was added since the last call.
   void DrawNew(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style);
@@ -37,15 +43,16 @@ class KeptPoints {
 
   [[nodiscard]] std::size_t points() const noexcept { return book_.points(); }
   [[nodiscard]] std::size_t gpu_bytes() const noexcept;
+  [[nodiscard]] const std::string& frame() const noexcept { return frame_; }
   /// BoundsOfMost of the messages that were added.
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const;
-  [[nodiscard]] const ValueRange& values() const noexcept { return range_; }
-  [[nodiscard]] bool with_values() const noexcept { return with_values_; }
-  [[nodiscard]] bool with_colors() const noexcept { return with_colors_; }
 
  private:
   static constexpr std::size_t kSlabPages = 512;
   static constexpr std::size_t kSlabPoints = kSlabPages * PageBook::kPagePoints;
+
+  /// Corner and edge of the page's cell, its lowest and highest value, and two unused numbers.
+  using PageRow = std::array<float, 8>;
 
   struct Slab {
     GlBuffer codes;
@@ -66,18 +73,20 @@ class KeptPoints {
     std::size_t messages = 0;
   };
 
-  void AddToRegion(std::span<const Eigen::Vector3d> positions);
-  void BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners);
+  void AddToRegion(const Eigen::AlignedBox3d& box);
+  /// `middle` becomes the origin of new slabs: floats are exact near it.
+  void BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners, const Eigen::Vector3d& middle);
   [[nodiscard]] Slab MakeSlab(const Eigen::Vector3d& origin) const;
-  void Recode(const ValueRange& before);
   /// Prepares drawing of every `stride`-th point, starting at `first`.
   void Bind(PointPrograms& programs, ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
             const Slab& slab, const Slice& slice);
 
+  const std::string frame_;
+  std::optional<RigidTransform> T_fixed_kept_ = RigidTransform();
   PageBook book_;
   const bool with_values_;
   const bool with_colors_;
-  ValueRange range_;
+  ValueRange range_;  ///< Of the values in new pages.
   std::vector<Region> regions_;
   std::size_t messages_ = 0;  ///< Of all regions.
   std::vector<Slab> slabs_;

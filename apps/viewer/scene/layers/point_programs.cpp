@@ -8,22 +8,22 @@ constexpr const char* kPointVertex = R"(
 layout(location = 0) in uint code;
 layout(location = 1) in float value;
 layout(location = 2) in uint rgb565;
-uniform samplerBuffer pages;
+uniform samplerBuffer pages;  // corner and edge of each page's cell, then its lowest and highest value
 uniform int stride;
 uniform int first;
-uniform float cell;
 #else
-layout(location = 0) in vec4 packed_point;
+layout(location = 0) in vec3 position;
+layout(location = 1) in float value;
 layout(location = 2) in vec4 rgba;
-uniform vec3 box;
 #endif
 uniform mat4 clip_from_eye;
 uniform vec3 origin_from_eye;
+uniform mat3 turn;
 uniform int color_by;
 uniform vec3 flat_color;
 uniform vec3 axis;          // unit vector of the axis that sets the color
 uniform vec2 axis_to_unit;  // scale, shift
-uniform vec2 value_to_unit;
+uniform vec2 value_to_unit; // lowest value, scale
 uniform float map_row;
 uniform sampler2D maps;
 uniform vec2 size;          // fixed pixels, pixels per meter at 1 m
@@ -38,13 +38,15 @@ void main() {
     color = vec3(0);
     return;
   }
-  int index = gl_VertexID * stride + first;
-  vec3 at = texelFetch(pages, index / PAGE_POINTS).xyz +
-      (vec3(code & 2047u, (code >> 11u) & 2047u, code >> 22u) + 0.5) * cell * vec3(1.0 / 2048, 1.0 / 2048, 1.0 / 1023);
-  float stored = value;
+  int page = (gl_VertexID * stride + first) / PAGE_POINTS;
+  vec4 cell = texelFetch(pages, 2 * page);
+  vec2 range = texelFetch(pages, 2 * page + 1).xy;
+  vec3 in_cell = (vec3(code & 2047u, (code >> 11u) & 2047u, code >> 22u) + 0.5) / vec3(2048, 2048, 1023);
+  vec3 at = turn * (cell.xyz + in_cell * cell.w);
+  float shown = mix(range.x, range.y, value);
 #else
-  vec3 at = packed_point.xyz * box;
-  float stored = packed_point.w;
+  vec3 at = turn * position;
+  float shown = value;
 #endif
   gl_Position = clip_from_eye * vec4(origin_from_eye + at, 1);
   gl_PointSize = clamp(size.x + size.y / mix(1.0, gl_Position.w, perspective), 1.0, 64.0);
@@ -57,8 +59,9 @@ void main() {
     color = rgba.rgb;
 #endif
   } else {
-    float unit = color_by == 1 ? dot(at, axis) * axis_to_unit.x + axis_to_unit.y : stored * value_to_unit.x + value_to_unit.y;
-    color = textureLod(maps, vec2((clamp(unit, 0.0, 1.0) * 255.0 + 0.5) / 256.0, map_row), 0.0).rgb;
+    float unit = color_by == 1 ? dot(at, axis) * axis_to_unit.x + axis_to_unit.y : (shown - value_to_unit.x) * value_to_unit.y;
+    unit = unit > 0.0 ? min(unit, 1.0) : 0.0;  // also if it is not a number
+    color = textureLod(maps, vec2((unit * 255.0 + 0.5) / 256.0, map_row), 0.0).rgb;
   }
 }
 )";
@@ -68,6 +71,8 @@ flat in vec3 color;
 out vec4 result;
 void main() { result = vec4(color, 1); }
 )";
+
+double Spread(const PointStyle& style) { return style.hi > style.lo ? style.hi - style.lo : 1; }
 
 }  // namespace
 
@@ -108,19 +113,20 @@ ShaderProgram& PointPrograms::Begin(bool by_cell, const ViewMatrices& view, cons
   const float in_meters = style.size_in_meters ? style.size * view.pixels_per_meter_at_1m : 0;
   program.Set("size", Eigen::Vector2f(style.size_in_meters ? 0 : style.size, in_meters));
   program.Set("perspective", view.orthographic ? 0.0F : 1.0F);
+  program.Set("value_to_unit", Eigen::Vector2f(static_cast<float>(style.lo), static_cast<float>(1 / Spread(style))));
   glEnable(GL_PROGRAM_POINT_SIZE);
   glEnable(GL_DEPTH_TEST);
   return program;
 }
 
-void PointPrograms::SetOrigin(ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
-                              const Eigen::Vector3d& origin, double scalar_lo, double scalar_hi) {
+void PointPrograms::SetPlace(ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
+                             const RigidTransform& T_fixed_points) {
+  const Eigen::Vector3d& origin = T_fixed_points.translation;
   program.Set("origin_from_eye", Eigen::Vector3f((origin - view.eye).cast<float>()));
-  const double spread = style.hi > style.lo ? style.hi - style.lo : 1;
+  program.Set("turn", Eigen::Matrix3f(T_fixed_points.rotation.toRotationMatrix().cast<float>()));
+  const double spread = Spread(style);
   program.Set("axis_to_unit", Eigen::Vector2f(static_cast<float>(1 / spread),
                                               static_cast<float>((origin[style.axis] - style.lo) / spread)));
-  program.Set("value_to_unit", Eigen::Vector2f(static_cast<float>((scalar_hi - scalar_lo) / spread),
-                                               static_cast<float>((scalar_lo - style.lo) / spread)));
 }
 
 }  // namespace hgros::viewer

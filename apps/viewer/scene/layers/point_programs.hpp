@@ -1,7 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
-
+#include "hgros/tf/rigid_transform.hpp"
 #include "viewer/scene/gl/gl_object.hpp"
 #include "viewer/scene/gl/shader_program.hpp"
 #include "viewer/scene/layers/point_style.hpp"
@@ -9,17 +8,16 @@
 
 namespace hgros::viewer {
 
-/// The shaders that draw points: one for those packed by cell (PageBook), one for those packed by message
-/// (PackedPoints). Both compute the color from position, value or stored color.
+/// The shaders that draw points: one for those packed by cell (KeptPoints), one for those of a message (RecentPoints).
+/// Both compute the color from position, value or stored color.
 class PointPrograms {
  public:
   PointPrograms();
 
-  /// Prepares the program for points around `origin` (in the fixed frame), whose stored values 0 to 1 mean `scalar_lo`
-  /// to `scalar_hi`.
   ShaderProgram& Begin(bool by_cell, const ViewMatrices& view, const PointStyle& style);
-  void SetOrigin(ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
-                 const Eigen::Vector3d& origin, double scalar_lo, double scalar_hi);
+  /// Prepares the program for points with that place in the fixed frame.
+  void SetPlace(ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
+                const RigidTransform& T_fixed_points);
 
   /// All color maps of ColorMapTable, one row each.
   [[nodiscard]] GLuint color_maps();

@@ -83,6 +83,17 @@ TEST(CloudReader, KeepsDistancesBetweenLargeDoubles) {
   EXPECT_NEAR(first.y(), 5'400'000.25, 1e-6);
 }
 
+TEST(CloudReader, KeepsDistancesBetweenLargeDoublesAlsoIfTheFirstPointIsAtTheOrigin) {
+  CloudOf cloud;
+  for (const char* name : {"x", "y", "z"}) cloud.Field(name, PackedElementField::FLOAT64, 8);
+  cloud.Value(0.0).Value(0.0).Value(0.0);
+  for (const double step : {0.0, 0.001, 0.002}) cloud.Value(466'000.0).Value(5'420'000 + step).Value(0.0);
+  const PointBatch batch = cloud.Read();
+  ASSERT_EQ(batch.positions.size(), 3U) << "the first point is far from all others";
+  EXPECT_NEAR(batch.positions[2].y() - batch.positions[1].y(), 0.001, 1e-6);
+  EXPECT_NEAR((batch.T_frame_points * batch.positions[0].cast<double>()).y(), 5'420'000, 1e-6);
+}
+
 TEST(CloudReader, ReadsPackedAndSeparateColors) {
   CloudOf packed;
   packed.Floats().Field("rgb", PackedElementField::FLOAT32, 4);
