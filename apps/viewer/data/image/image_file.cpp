@@ -1,6 +1,9 @@
 #include "viewer/data/image/image_file.hpp"
 
+// clang-format off
 #include <jpeglib.h>
+#include <jerror.h>  // Its numbers depend on the header above.
+// clang-format on
 #include <png.h>
 
 #include <algorithm>
@@ -116,7 +119,10 @@ class Jpeg {
   Jpeg() {
     state_.err = jpeg_std_error(&errors_);
     errors_.error_exit = OnError;
-    errors_.emit_message = [](j_common_ptr, int) {};
+    errors_.emit_message = [](j_common_ptr state, int level) {
+      // Many cameras write some bytes more than they need.
+      if (level < 0 && state->err->msg_code != JWRN_EXTRANEOUS_DATA) Keep(state);
+    };
     state_.client_data = this;
   }
   Jpeg(const Jpeg&) = delete;
@@ -127,7 +133,11 @@ class Jpeg {
 
   // No object with a destructor may be made between setjmp and the calls that jump there.
   [[nodiscard]] std::string Read(Bytes file, ImagePicture& picture) {
-    if (setjmp(jump_) != 0) return "The JPEG cannot be read: " + std::string(message_.data()) + ".";
+    if (setjmp(jump_) != 0) {
+      if (state_.output_scanline == 0) return "The JPEG cannot be read: " + std::string(message_.data()) + ".";
+      NoteDamage(picture);
+      return {};
+    }
     jpeg_create_decompress(&state_);
     made_ = true;
     jpeg_mem_src(&state_, reinterpret_cast<const unsigned char*>(file.data()), file.size());
@@ -144,16 +154,24 @@ class Jpeg {
       jpeg_read_scanlines(&state_, &row, 1);
     }
     jpeg_finish_decompress(&state_);
-    if (errors_.num_warnings > 0) return "The jpeg is damaged.";
+    if (message_[0] != '\0') NoteDamage(picture);
     return {};
   }
 
  private:
-  [[noreturn]] static void OnError(j_common_ptr state) {
+  void NoteDamage(ImagePicture& picture) const {
+    picture.damage = "The JPEG is damaged: " + std::string(message_.data()) + ".";
+  }
+  /// Keeps the last message of libjpeg.
+  static Jpeg& Keep(j_common_ptr state) {
     Jpeg& self = *static_cast<Jpeg*>(state->client_data);
     std::array<char, JMSG_LENGTH_MAX> said{};
     state->err->format_message(state, said.data());
     std::snprintf(self.message_.data(), self.message_.size(), "%.150s", said.data());
+    return self;
+  }
+  [[noreturn]] static void OnError(j_common_ptr state) {
+    Jpeg& self = Keep(state);
     longjmp(self.jump_, 1);  // NOLINT: libjpeg's way; it must not be thrown through.
   }
 

@@ -20,7 +20,9 @@ struct ImagePicture {
   std::vector<std::uint8_t> rgba;  ///< 4 bytes per pixel.
   std::vector<std::uint8_t> gray;  ///< 1 byte per pixel.
   std::string encoding;            ///< Its name in the message.
-  /// For images of measurements (16UC1, 32FC1): the values of the lowest and the highest color.
+  /// What is wrong with the file, as a sentence, although a part of it is shown. Empty: nothing.
+  std::string damage;
+  /// For images of measurements (16UC1, 32FC1) and mono16: the values of the lowest and the highest color.
   std::optional<double> least, greatest;
   /// The measurements of a file, one per pixel. Those of a RawImage are read from the message (MeasurementAt).
   std::vector<float> values;

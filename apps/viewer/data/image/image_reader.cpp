@@ -1,5 +1,6 @@
 #include "viewer/data/image/image_reader.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 #include <utility>
@@ -16,10 +17,9 @@ namespace {
 
 constexpr std::size_t kMaxImagePixels = 256UL << 20;
 
-// Offsets of the colors in a pixel.
+// Offsets of the colors in a pixel. Alpha is ignored: many cameras leave it 0.
 struct Parts {
   std::size_t red, green, blue;
-  int alpha = -1;
 };
 
 void PaintParts(const ImageView& view, const Parts& parts, std::vector<std::uint8_t>& rgba) {
@@ -30,7 +30,7 @@ void PaintParts(const ImageView& view, const Parts& parts, std::vector<std::uint
       out[0] = in[parts.red];
       out[1] = in[parts.green];
       out[2] = in[parts.blue];
-      out[3] = parts.alpha < 0 ? 255 : in[parts.alpha];
+      out[3] = 255;
     }
   }
 }
@@ -42,12 +42,27 @@ void PaintGray8(const ImageView& view, std::vector<std::uint8_t>& gray) {
   }
 }
 
-// The upper byte of each sample.
-void PaintGray16(const ImageView& view, std::vector<std::uint8_t>& gray) {
+// Black to white over the range of the colors, or else over that of the image. If all are equal, the upper bytes.
+void PaintGray16(const ImageView& view, const DepthColors& colors, ImagePicture& picture) {
   const auto samples = view.SamplesAs<std::uint16_t>();
-  std::uint8_t* out = gray.data();
-  for (std::size_t y = 0; samples && y < view.height(); ++y) {
-    for (const std::uint16_t value : (*samples)[y]) *out++ = static_cast<std::uint8_t>(value / 257);
+  if (!samples) return;
+  std::uint16_t lowest = 0xFFFF, highest = 0;
+  for (std::size_t y = 0; y < view.height(); ++y) {
+    for (const std::uint16_t value : (*samples)[y]) {
+      lowest = std::min(lowest, value);
+      highest = std::max(highest, value);
+    }
+  }
+  picture.least = colors.least.value_or(lowest);
+  picture.greatest = colors.greatest.value_or(highest);
+  const bool spread = *picture.greatest > *picture.least;
+  const double shift = spread ? *picture.least : 0;
+  const double scale = 255 / (spread ? *picture.greatest - *picture.least : 65535);
+  std::uint8_t* out = picture.gray.data();
+  for (std::size_t y = 0; y < view.height(); ++y) {
+    for (const std::uint16_t value : (*samples)[y]) {
+      *out++ = static_cast<std::uint8_t>(std::clamp((value - shift) * scale + 0.5, 0.0, 255.0));
+    }
   }
 }
 
@@ -75,7 +90,7 @@ bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& pictu
   }
   if (encoding == "mono16") {
     picture.gray.resize(pixels);
-    PaintGray16(view, picture.gray);
+    PaintGray16(view, colors, picture);
     return true;
   }
   if (encoding == "16UC1") {
@@ -87,14 +102,10 @@ bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& pictu
     return true;
   }
   rgba.resize(4 * pixels);
-  if (encoding == "rgb8" || encoding == "8UC3") {
+  if (encoding == "rgb8" || encoding == "8UC3" || encoding == "rgba8") {
     PaintParts(view, {0, 1, 2}, rgba);
-  } else if (encoding == "bgr8") {
+  } else if (encoding == "bgr8" || encoding == "bgra8") {
     PaintParts(view, {2, 1, 0}, rgba);
-  } else if (encoding == "rgba8") {
-    PaintParts(view, {0, 1, 2, 3}, rgba);
-  } else if (encoding == "bgra8") {
-    PaintParts(view, {2, 1, 0, 3}, rgba);
   } else if (encoding == "yuyv" || encoding == "yuv422_yuy2") {
     PaintYuv422(view, YuvOrder::kYuyv, rgba);
   } else if (encoding == "uyvy" || encoding == "yuv422") {

@@ -9,8 +9,8 @@
 
 namespace hgros::viewer {
 
-/// Reads an image of any encoding that ImageView knows. 16UC1 and 32FC1 are measurements and get colors. Returns what
-/// is wrong, as a sentence, or nothing. After an error, `picture` is unchanged.
+/// Reads an image of any encoding that ImageView knows. 16UC1 and 32FC1 are measurements and get colors, mono16 gets
+/// their range. Returns what is wrong, as a sentence, or nothing. After an error, `picture` is unchanged.
 [[nodiscard]] std::string ReadImage(const Bulk<foxglove::RawImage>& image, const DepthColors& colors,
                                     ImagePicture& picture);
 /// The same for a PNG or JPEG; the file itself says which. A PNG with 16-bit gray holds measurements.

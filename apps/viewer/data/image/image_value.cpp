@@ -24,9 +24,11 @@ std::string ColorText(const std::array<std::uint8_t, 4>& rgba) {
 std::string MeasurementAt(const Bulk<foxglove::RawImage>& image, std::size_t x, std::size_t y) {
   const auto view = ViewImage(image);
   if (!view || x >= view->width() || y >= view->height()) return {};
-  if (view->encoding() == "16UC1") {
+  const bool mono16 = view->encoding() == "mono16";
+  if (mono16 || view->encoding() == "16UC1") {
     const auto samples = view->SamplesAs<std::uint16_t>();
-    return samples ? MeasurementText((*samples)[y][x]) : std::string();
+    if (!samples) return {};
+    return mono16 ? std::to_string((*samples)[y][x]) : MeasurementText((*samples)[y][x]);
   }
   if (view->encoding() == "32FC1") {
     const auto samples = view->SamplesAs<float>();

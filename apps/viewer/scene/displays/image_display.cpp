@@ -65,10 +65,11 @@ class ImageDisplay : public Display {
 
   [[nodiscard]] std::vector<Setting> Settings() override {
     const auto measured = [this] { return picture_.least.has_value(); };
+    const auto colored = [this, measured] { return measured() && !gray_; };
     const auto ranged = [this, measured] { return measured() && !auto_range_; };
     return {
         {"map", "The color map of measurements, from the lowest to the highest.",
-         Setting::Choice{&map_, {kColorMapNames.begin(), kColorMapNames.end()}}, measured},
+         Setting::Choice{&map_, {kColorMapNames.begin(), kColorMapNames.end()}}, colored},
         {"auto range", "The colors go from the lowest to the highest value of each image.",
          Setting::Switch{&auto_range_}, measured},
         {"lowest",
@@ -117,6 +118,7 @@ class ImageDisplay : public Display {
     if (fault_.empty()) {
       picture_ = std::move(read->shown);
       shown_ = std::move(read->message);
+      fault_ = picture_.damage;
       Upload();
       picture_.rgba = std::vector<std::uint8_t>();  // {} would keep the memory.
       picture_.gray = std::vector<std::uint8_t>();

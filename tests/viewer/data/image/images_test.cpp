@@ -47,8 +47,10 @@ Bytes4 Pixel(const ImagePicture& picture, std::size_t x, std::size_t y) {
 TEST(ImageReader, ReadsEveryPixelFormat) {
   EXPECT_EQ(Pixel(Shown(Raw("rgb8", 1, 1, 3, "\1\2\3")), 0, 0), (Bytes4{1, 2, 3, 255}));
   EXPECT_EQ(Pixel(Shown(Raw("bgr8", 1, 1, 3, "\1\2\3")), 0, 0), (Bytes4{3, 2, 1, 255}));
-  EXPECT_EQ(Pixel(Shown(Raw("rgba8", 1, 1, 4, "\1\2\3\4")), 0, 0), (Bytes4{1, 2, 3, 4}));
-  EXPECT_EQ(Pixel(Shown(Raw("bgra8", 1, 1, 4, "\1\2\3\4")), 0, 0), (Bytes4{3, 2, 1, 4}));
+  EXPECT_EQ(Pixel(Shown(Raw("rgba8", 1, 1, 4, "\1\2\3\4")), 0, 0), (Bytes4{1, 2, 3, 255}));
+  EXPECT_EQ(Pixel(Shown(Raw("bgra8", 1, 1, 4, "\1\2\3\4")), 0, 0), (Bytes4{3, 2, 1, 255}));
+  EXPECT_EQ(Pixel(Shown(Raw("bgra8", 1, 1, 4, std::string("\1\2\3\0", 4))), 0, 0), (Bytes4{3, 2, 1, 255}))
+      << "many cameras leave alpha 0";
   EXPECT_EQ(Pixel(Shown(Raw("mono8", 1, 1, 1, "\7")), 0, 0), (Bytes4{7, 7, 7, 255}));
   EXPECT_EQ(Pixel(Shown(Raw("mono16", 1, 1, 2, "\xff\xff")), 0, 0), (Bytes4{255, 255, 255, 255}));
 }
@@ -108,6 +110,17 @@ TEST(ImageReader, ColorsDepthOverItsRange) {
   EXPECT_EQ(floats.greatest, 3);
   EXPECT_EQ(Pixel(floats, 1, 0)[3], 0);
   EXPECT_EQ(Pixel(floats, 2, 0)[3], 0);
+}
+
+TEST(ImageReader, SpreadsGray16OverItsRange) {
+  const std::string data("\x00\x00\xe8\x03\xd0\x07\xb8\x0b", 8);  // 0, 1000, 2000, 3000
+  const ImagePicture own = Shown(Raw("mono16", 4, 1, 8, data));
+  EXPECT_EQ(own.least, 0) << "black is measured, too";
+  EXPECT_EQ(own.greatest, 3000);
+  EXPECT_EQ(Pixel(own, 1, 0)[0], 85);
+  const ImagePicture fixed = Shown(Raw("mono16", 4, 1, 8, data), {ColorMap::kRainbow, 1000, 2000});
+  EXPECT_EQ(Pixel(fixed, 1, 0)[0], 0);
+  EXPECT_EQ(Pixel(fixed, 3, 0)[0], 255);
 }
 
 TEST(ImageReader, ReportsInvalidImages) {
@@ -224,6 +237,26 @@ TEST(ImageReader, ReadsA16BitGrayPngAsMeasurements) {
   EXPECT_EQ(Pixel(picture, 0, 0)[3], 0);
 }
 
+/// Pixels of many colors: a file whose data is longer than its head.
+std::vector<std::uint8_t> Noise(std::size_t pixels) {
+  std::mt19937 random(3);
+  std::vector<std::uint8_t> rgb(3 * pixels);
+  for (std::uint8_t& part : rgb) part = static_cast<std::uint8_t>(random());
+  return rgb;
+}
+
+TEST(ImageReader, ShowsADamagedJpegAndSaysSo) {
+  const std::string jpeg = Jpeg(Noise(64 * 64), 64, 64);
+  ImagePicture whole;
+  ASSERT_EQ(ReadFile(jpeg, whole), "");
+  EXPECT_EQ(whole.damage, "");
+  ImagePicture half;
+  ASSERT_EQ(ReadFile(jpeg.substr(0, jpeg.size() / 2), half), "");
+  EXPECT_THAT(half.damage, HasSubstr("The JPEG is damaged: "));
+  EXPECT_EQ(half.height, 64U);
+  EXPECT_EQ(Pixel(half, 5, 5), Pixel(whole, 5, 5)) << "what is there is shown";
+}
+
 TEST(ImageReader, ReportsDamagedFiles) {
   const std::string png = Png(PNG_FORMAT_RGB, Plain(6, 10, 20, 30).data(), 3, 2);
   const std::vector<std::uint16_t> depths{0, 500, 1500, 2500};
@@ -268,7 +301,7 @@ TEST(ImageValue, IsReadFromTheMessage) {
   EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 2, 1), "");
   EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 2), "");
   image.set_encoding("mono16");
-  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 1), "") << "it has brightness, not measurements";
+  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 1), "4");
 }
 
 }  // namespace
