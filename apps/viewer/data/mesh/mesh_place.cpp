@@ -1,6 +1,7 @@
 #include "viewer/data/mesh/mesh_place.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <optional>
 #include <sstream>
@@ -17,6 +18,20 @@ bool LeadsOut(const fs::path& relative) {
 std::optional<std::string_view> After(std::string_view scheme, std::string_view name) {
   if (!name.starts_with(scheme)) return std::nullopt;
   return name.substr(scheme.size());
+}
+
+/// The path in a URL: %20 is a space.
+std::string PathOfUrl(std::string_view url) {
+  std::string path;
+  for (std::size_t i = 0; i < url.size(); ++i) {
+    unsigned code = 0;
+    const char* const digits = url.data() + i + 1;
+    const bool coded =
+        url[i] == '%' && i + 2 < url.size() && std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2;
+    path += coded ? static_cast<char>(code) : url[i];
+    i += coded ? 2 : 0;
+  }
+  return path;
 }
 
 bool IsFile(const fs::path& path) {
@@ -39,13 +54,14 @@ std::vector<fs::path> MeshFolders(std::vector<fs::path> given) {
 
 fs::path FindMesh(std::string_view name, const std::vector<fs::path>& folders, std::string& fault) {
   if (const auto path = After("file://", name)) {
-    if (IsFile(*path)) return *path;
-    fault = "There is no mesh " + std::string(*path) + ".";
+    fs::path file = PathOfUrl(*path);
+    if (IsFile(file)) return file;
+    fault = "There is no mesh " + file.string() + ".";
     return {};
   }
   std::vector<fs::path> tried;
   if (const auto rest = After("package://", name)) {
-    const fs::path relative(*rest);
+    const fs::path relative(PathOfUrl(*rest));
     if (LeadsOut(relative) || relative.empty()) {
       fault = "\"" + std::string(name) + "\" is not a valid name for a mesh.";
       return {};

@@ -126,6 +126,18 @@ TEST(ModelMeshes, AreReadOnceFromNamedFiles) {
   EXPECT_THAT(meshes.AddTo(later), HasSubstr("part.stl"));
 }
 
+TEST(ModelMeshes, AreReadFromUrlsWithCodedCharacters) {
+  const hgros::test::ScratchFolder folder;
+  (void)folder.Write("a part%.stl", kStl);
+  SceneShapes shapes;
+  for (const char* name : {"a%20part%.stl", "%61%20part%25.stl"}) {
+    shapes.models.push_back(Model("", ""));
+    shapes.models.back().url = "file://" + folder.path().string() + "/" + name;
+  }
+  EXPECT_EQ(ModelMeshes().AddTo(shapes), "");
+  EXPECT_EQ(shapes.triangles.size(), 6U);
+}
+
 TEST(ModelMeshes, ReportABrokenModelAndDrawTheOthers) {
   SceneShapes shapes;
   shapes.models = {Model("glTF", "model/gltf-binary"), Model()};
