@@ -35,8 +35,10 @@ class NumberSeries {
     std::size_t column = 0;
     double least = 0, greatest = 0;
     double first = 0, last = 0;
+    bool begins = false;  ///< No line leads here: a value that is not a number, or silence, lies before it.
   };
   /// The values in [from, to) in `columns` of equal length. Empty columns and values that are not finite are left out.
+  /// Silence is ten times the usual time between two values, and at least 1 s.
   [[nodiscard]] std::vector<Column> Columns(Time from, Time to, std::size_t columns) const;
 
  private:

@@ -70,7 +70,7 @@ void DrawLine(ImDrawList& list, const Frame& frame, const PlotLine& line) {
   const NumberSeries::Column* before = nullptr;
   for (const NumberSeries::Column& column : line.columns) {
     const float x = frame.X(column.column);
-    if (before != nullptr) {
+    if (before != nullptr && !column.begins) {
       list.AddLine({frame.X(before->column), frame.Y(before->last)}, {x, frame.Y(column.first)}, line.color, 1.5F);
     }
     if (column.greatest > column.least) {

@@ -65,6 +65,25 @@ TEST(NumberSeries, ColumnsKeepEverySpike) {
   EXPECT_LT(columns[42].greatest, 2);
 }
 
+TEST(NumberSeries, TheLineBeginsAgainAfterSilenceOrAValueThatIsNotANumber) {
+  NumberSeries series(std::chrono::seconds(100));
+  for (int i = 0; i < 10; ++i) series.Add(TimeAt(100 * i + 50), i == 4 ? NAN : 1);
+  for (int i = 50; i < 60; ++i) series.Add(TimeAt(100 * i + 50), 2);  // 4 s later
+  std::vector<std::size_t> begin;
+  for (const auto& column : series.Columns(TimeAt(0), TimeAt(6000), 60)) {
+    if (column.begins) begin.push_back(column.column);
+  }
+  EXPECT_EQ(begin, (std::vector<std::size_t>{0, 5, 50}));
+}
+
+TEST(NumberSeries, SlowValuesAreNotSilence) {
+  NumberSeries series(std::chrono::seconds(100));
+  for (int i = 0; i < 5; ++i) series.Add(TimeAt(9000 * i), 1);
+  const auto columns = series.Columns(TimeAt(0), TimeAt(45'000), 45);
+  ASSERT_EQ(columns.size(), 5U);
+  for (std::size_t i = 1; i < columns.size(); ++i) EXPECT_FALSE(columns[i].begins);
+}
+
 TEST(NumberSeries, ColumnsMatchANaiveModel) {
   std::mt19937 random(test::Seed());
   NumberSeries series(std::chrono::seconds(100));
