@@ -218,6 +218,14 @@ SetResult Transforms::Core::SetChecked(std::string_view parent, std::string_view
   if (SetResult refused = Check(parent, child, stamp, now, by); !refused) return refused;
   const auto set = [&] { return tree_.Set(parent, child, stamp, T_parent_child, publisher); };
   SetResult result = set();
+  if (result.jumped_back() && !said_jump_.exchange(true)) {
+    session_.log().Write(LogLevel::kWarning,
+                         "The stamps of session \"" + std::string(publisher) +
+                             "\" jumped back, first those of the edge " + Edge(parent, child) +
+                             ", and stayed there for 2 s, so these edges begin again. If a recording is played again, "
+                             "play it with a simulated clock: then all edges begin again at once. Further jumps are "
+                             "not reported.");
+  }
   if (result.fault() != SetFault::kTooOld || now == Time{}) return result;
   if (!tree_.RestartEdge(child, LatestOf(by, now))) return result;
   if (result = set(); result) {

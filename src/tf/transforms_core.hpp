@@ -81,6 +81,7 @@ class Transforms::Core {
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint64_t> shared_{0};
   std::atomic<bool> said_full_{false};
+  std::atomic<bool> said_jump_{false};
   std::mutex names_mutex_;
   std::unordered_map<SessionId, std::string> names_;
   tf::TransformSender sender_;

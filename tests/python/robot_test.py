@@ -153,6 +153,16 @@ class Tf(RobotTest):
             self.assertEqual(failed.exception.fault, fault)
             self.assertIn(f'"{source}"', str(failed.exception))
 
+    def test_an_edge_begins_again_when_its_stamps_jumped_back(self):
+        robot = self.session()
+        robot.transforms.send("map", "base", pose(1), 60 * 10**9)
+        self.assertFalse(robot.transforms.restart_edge("base", 60 * 10**9))
+        self.assertTrue(robot.transforms.restart_edge("base", 5 * 10**9))
+        robot.transforms.send("map", "base", pose(2), 5 * 10**9)
+        self.assertEqual(robot.transforms.lookup_stamped("map", "base")[1], 5 * 10**9)
+        with self.assertRaisesRegex(TypeError, "latest stamp"):
+            robot.transforms.restart_edge("base", None)
+
     def test_lookup_waits_for_another_session(self):
         robot, other = self.session(), self.session()
         threading.Timer(0.05, lambda: other.transforms.send_static("map", "base", pose(2))).start()

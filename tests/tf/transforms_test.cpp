@@ -260,6 +260,23 @@ TEST(TransformsOfAnotherHost, AreTakenIfItsClockIsKnownToBeAheadAndBeginAgainWhe
   EXPECT_EQ(desk.Count("begins again"), 1U);
 }
 
+TEST_F(TransformsOfTwo, EdgesBeginAgainWhenARecordingIsPlayedTwiceAndItIsSaidOnce) {
+  Transforms looking(*b.session);
+  const auto publish = ToLooking(looking);
+  ASSERT_EQ(publish(Message("map", "base", 1, 160)), PublishStatus::kOk);
+  ASSERT_EQ(publish(Message("map", "arm", 1, 160)), PublishStatus::kOk);
+  std::int32_t nanos = 0;
+  EXPECT_TRUE(Await([&] {
+    ++nanos;
+    for (const char* child : {"base", "arm"}) (void)publish(Message("map", child, 1, 100, nanos));
+    const TransformResult base = looking.FromTF("map", "base");
+    const TransformResult arm = looking.FromTF("map", "arm");
+    return base && base->stamp < At(101) && arm && arm->stamp < At(101);
+  }));
+  EXPECT_EQ(b.Count("jumped back"), 1U);
+  EXPECT_TRUE(b.Said("\"a\" jumped back"));
+}
+
 TEST_F(TransformsOfTwo, ReportsAnEdgeOfTwoSessionsOnce) {
   Transforms one(*a.session);
   Transforms two(*b.session);

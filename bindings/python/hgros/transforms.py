@@ -106,6 +106,17 @@ class Transforms:
         if refusal:
             raise TransformError("refused", refusal)
 
+    def restart_edge(self, child: str, latest: Any) -> bool:
+        """Call it when the clock that stamped the edge above `child` was set back, and gives no stamp after `latest` now.
+
+        If the edge has later stamps, its next transform that is too old replaces all of them. Returns whether it has.
+        An edge that gets only old stamps for 2 s, as when a recording is played again, begins again without it.
+        """
+        latest_ns = _ns(latest)
+        if latest_ns is None:
+            raise TypeError("Pass the latest stamp that is possible now.")
+        return self._raw.restart_edge(child, latest_ns)
+
     def flush(self) -> None:
         """Sends transforms that wait to be sent together now."""
         self._raw.flush()

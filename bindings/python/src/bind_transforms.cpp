@@ -149,6 +149,12 @@ void BindTransforms(py::module_& module) {
       .def("end", &TransformsHandle::End, Released())
       .def("send", &Send, Released(), py::arg("parent"), py::arg("child"), py::arg("pose"), py::arg("stamp_ns"))
       .def(
+          "restart_edge",
+          [](const TransformsHandle& handle, const std::string& child, std::int64_t latest_ns) {
+            return handle.used()->tree().RestartEdge(child, Time{latest_ns});
+          },
+          Released(), py::arg("child"), py::arg("latest_ns"))
+      .def(
           "flush", [](const TransformsHandle& handle) { handle.used()->Flush(); }, Released());
 }
 

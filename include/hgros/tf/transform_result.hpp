@@ -97,13 +97,21 @@ class SetResult {
  public:
   SetResult() = default;
   SetResult(SetFault fault, std::string sentence) : fault_(fault), text_(std::move(sentence)) {}
+  [[nodiscard]] static SetResult Stored(bool jumped_back) {
+    SetResult result;
+    result.jumped_back_ = jumped_back;
+    return result;
+  }
   [[nodiscard]] explicit operator bool() const noexcept { return fault_ == SetFault::kNone; }
+  /// The stamps of the edge have jumped back: the transform has replaced all others of the edge.
+  [[nodiscard]] bool jumped_back() const noexcept { return jumped_back_; }
   [[nodiscard]] SetFault fault() const noexcept { return fault_; }
   /// One sentence that names the edge; empty if the transform was stored.
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
 
  private:
   SetFault fault_ = SetFault::kNone;
+  bool jumped_back_ = false;
   std::string text_;
 };
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "hgros/tf/transform_query.hpp"
+#include "tf/tree/jump_watch.hpp"
 #include "tf/tree/sample_ring.hpp"
 
 namespace hgros::tf {
@@ -34,6 +35,7 @@ struct alignas(64) Frame {
   std::mutex write;
   std::uint64_t time = 0;  ///< The tree's time when the edge was last set.
   std::int64_t newest = std::numeric_limits<std::int64_t>::min();
+  JumpWatch jumps;
   std::int64_t awaited_from = std::numeric_limits<std::int64_t>::max();  ///< The lowest stamp for which a wait exists.
   std::array<std::unique_ptr<SampleRing>, 2> rings;  ///< Readers use one while the other is rewritten.
   // Never changes.

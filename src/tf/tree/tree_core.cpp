@@ -1,6 +1,7 @@
 #include "tf/tree/tree_core.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -139,16 +140,19 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
 
   bool awaited = false;
   bool restarts = false;
+  bool jumped = false;
   {
     const std::scoped_lock lock(child.write);
     const std::uint64_t time = time_.load(std::memory_order_acquire);
-    const bool begins = IsRestarting(child);
-    restarts = begins && value.stamp <= restart_limit_.load(std::memory_order_relaxed);
+    jumped = HasJumped(child, value);
+    const bool begins = jumped || IsRestarting(child);
+    restarts = jumped || (begins && value.stamp <= restart_limit_.load(std::memory_order_relaxed));
     // A later stamp counts as one from before the jump, unless it is too old for the edge.
     const bool written = !restarts && Write(child, {value.stamp, pose});
     if (begins && !written) {
       restarts = true;
       child.time = time;
+      child.jumps.Reset();
       restarted_edges_.fetch_add(1, std::memory_order_relaxed);
       Rewrite(child, {value.stamp, pose});
     }
@@ -164,7 +168,15 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
   } else if (awaited) {
     waits_->EdgeHasGrown(child);
   }
-  return fault == SetFault::kNone ? SetResult() : Refuse(fault, parent, child, value);
+  return fault == SetFault::kNone ? SetResult::Stored(jumped) : Refuse(fault, parent, child, value);
+}
+
+bool TreeCore::HasJumped(Frame& edge, const EdgeValue& value) noexcept {
+  if (value.is_static || value.stamp >= edge.newest) {
+    edge.jumps.Reset();
+    return false;
+  }
+  return edge.jumps.HasJumped(edge.newest, value.stamp, std::chrono::steady_clock::now());
 }
 
 bool TreeCore::RestartEdge(std::string_view child, std::int64_t possible) noexcept {

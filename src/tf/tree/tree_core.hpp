@@ -71,6 +71,8 @@ class TreeCore {
   [[nodiscard]] bool IsRestarting(const Frame& edge) const noexcept {
     return !edge.is_static && edge.time != time_.load(std::memory_order_acquire);
   }
+  /// JumpWatch. Called with the edge's `write` held.
+  [[nodiscard]] static bool HasJumped(Frame& edge, const EdgeValue& value) noexcept;
   [[nodiscard]] SetFault Connect(Frame& parent, Frame& child, const EdgeValue& value, const Pose& pose);
   [[nodiscard]] SetResult Refuse(SetFault fault, const Frame& parent, const Frame& child, const EdgeValue& value) const;
   /// The path between two frames, cached or in `route`; false with the fault in `outcome`.
