@@ -249,6 +249,16 @@ class InMemory(ViewerCase):
                     process.kill()
                     process.wait()
 
+    def test_says_what_it_found_and_could_not_draw(self):
+        self.start(TALKER, 100_000, 30)
+        for seconds in (1, 4, 16):  # It may take it longer to find all channels.
+            viewer = self.start(VIEWER, "--offscreen", "64x64", "--after", seconds)
+            self.assertEqual(viewer.wait(timeout=DEADLINE_S), 0, "it was not requested")
+            said = viewer.stderr.read()
+            if "broken_cloud" in said:
+                break
+        self.assertIn('No message came on the channel "broken_cloud" that could be shown.', said)
+
     def test_says_what_it_waits_for_while_nothing_arrives(self):
         domain = self.environment["HGROS_DOMAIN"]
         for viewer, code, words in [(self.start("env", *other, VIEWER, "--offscreen", "64x64", "--frames", 2, *arguments),

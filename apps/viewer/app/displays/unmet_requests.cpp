@@ -87,8 +87,11 @@ bool PrintUnmetRequests(const RequestState& state) {
   for (const Scene::Entry& entry : state.scene.entries()) {
     const bool requested =
         std::ranges::find(state.options.channels, entry.name, &WantedDisplay::channel) != state.options.channels.end();
-    if (!requested && entry.type != DisplayTypeNamed("Robot model")) continue;
-    unmet |= PrintUnmetDisplay(entry, requested, state.channels);
+    if (requested || entry.type == DisplayTypeNamed("Robot model")) {
+      unmet |= PrintUnmetDisplay(entry, requested, state.channels);
+    } else if (state.options.offscreen && entry.visible && !entry.channel.empty()) {
+      (void)PrintUnmetDisplay(entry, true, state.channels);  // It was found, and nobody sees its row.
+    }
   }
   unmet |= PrintUnmetFrames(state);
   return unmet;

@@ -20,7 +20,8 @@ struct RequestState {
   const std::string& followed;  ///< The frame that the camera follows; empty: none.
 };
 
-/// Prints what was requested by name and is missing at the end. Returns whether anything is missing.
+/// Prints what was requested by name and is missing at the end, and with --offscreen also what was found and could not
+/// be shown. Returns whether anything requested is missing.
 [[nodiscard]] bool PrintUnmetRequests(const RequestState& state);
 
 }  // namespace hgros::viewer
