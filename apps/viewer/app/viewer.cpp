@@ -263,7 +263,7 @@ void Viewer::HandleKey(int key) {
       break;
     case ViewerKey::kSaveLayout: WriteLayout(); break;
     case ViewerKey::kPanels: show_panels_ = !show_panels_; break;
-    case ViewerKey::kFocus: ShowEverything(); break;
+    case ViewerKey::kFocus: ShowEverything(WholeArea()); break;
     case ViewerKey::kScreenshot:
       pictures_.RequestScreenshotNamedByTime();
       pace_.WantAfterInput();
@@ -295,9 +295,9 @@ void Viewer::SetPaused(bool paused) {
                 " dropped while the view was paused");
 }
 
-void Viewer::ShowEverything() {
+void Viewer::ShowEverything(const PixelArea& room) {
   const Eigen::AlignedBox3d bounds = scene_.Bounds();
-  if (!bounds.isEmpty()) camera_.Focus(bounds, surface_.size());
+  if (!bounds.isEmpty()) camera_.Focus(bounds, surface_.size(), room);
 }
 
 bool Viewer::ReachedEnd(double now_s) {
@@ -306,7 +306,7 @@ bool Viewer::ReachedEnd(double now_s) {
   if (!end) return false;
   if (options_.screenshot.empty()) return true;
   if (!whole_picture_wanted_ && options_.show_all) {
-    ShowEverything();
+    ShowEverything(FreeArea());
     pace_.WantAfterInput();
   }
   whole_picture_wanted_ = true;

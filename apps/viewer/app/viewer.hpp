@@ -25,6 +25,7 @@
 #include "viewer/panels/image_panel.hpp"
 #include "viewer/panels/view_panel.hpp"
 #include "viewer/panels/widgets/imgui_renderer.hpp"
+#include "viewer/panels/widgets/look.hpp"
 #include "viewer/scene/scene.hpp"
 #include "viewer/view/navigation.hpp"
 
@@ -71,7 +72,8 @@ class Viewer {
   void HandleKey(int key);
   void UpdateScene(double now_s);
   void SetPaused(bool paused);
-  void ShowEverything();
+  /// In that part of the picture.
+  void ShowEverything(const PixelArea& room);
   [[nodiscard]] bool ReachedEnd(double now_s);
   void PrintReport(double now_s);
 
@@ -82,6 +84,9 @@ class Viewer {
   /// Returns the display that a user removes, or none.
   [[nodiscard]] std::optional<std::size_t> DrawPanels();
   void DrawPausedTimeBar();
+  [[nodiscard]] PixelArea WholeArea() const;
+  /// The largest part of the picture that no panel covered in the last frame.
+  [[nodiscard]] PixelArea FreeArea() const;
 
   /// `config` is the session's.
   Viewer(const Options& options, const std::optional<Layout>& layout, Surface& surface, const Config& config);
@@ -119,6 +124,7 @@ class Viewer {
   bool show_panels_ = true;
   bool show_help_ = false;
   float scale_ = 1;
+  Glyphs glyphs_ = Glyphs::kLatin;
 
   bool frame_changed_ = false;         ///< The fixed frame is another one since the last turn.
   bool whole_picture_wanted_ = false;  ///< The end is reached once the picture is complete.

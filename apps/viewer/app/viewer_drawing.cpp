@@ -3,8 +3,10 @@
 #include "viewer/app/displays/awaited.hpp"
 #include "viewer/app/process_figures.hpp"
 #include "viewer/app/viewer.hpp"
+#include "viewer/panels/dock/free_room.hpp"
 #include "viewer/panels/dock/panel_room.hpp"
 #include "viewer/panels/overlay/awaited_layer.hpp"
+#include "viewer/panels/overlay/color_legends.hpp"
 #include "viewer/panels/overlay/help_overlay.hpp"
 #include "viewer/panels/overlay/label_layer.hpp"
 #include "viewer/panels/overlay/pick_layer.hpp"
@@ -26,10 +28,22 @@ void Viewer::DrawFrame(double now_s) {
   pace_.EndFrame(now_s);
 }
 
+PixelArea Viewer::WholeArea() const {
+  const Viewport size = surface_.size();
+  return {0, 0, static_cast<double>(size.width), static_cast<double>(size.height)};
+}
+
+PixelArea Viewer::FreeArea() const {
+  if (!show_panels_ || pace_.frames() == 0) return WholeArea();
+  const PanelPlace free = FreeRoom();
+  const auto to_pixels = static_cast<double>(ImGui::GetIO().DisplayFramebufferScale.x);
+  return {free.x * to_pixels, free.y * to_pixels, free.width * to_pixels, free.height * to_pixels};
+}
+
 void Viewer::UpdateScale() {
   if (surface_.scale() == scale_) return;
   scale_ = surface_.scale();
-  SetLook(scale_);
+  SetLook(scale_, glyphs_);
   panels_renderer_.ForgetFont();
   scene_.Redraw();
 }
@@ -42,6 +56,7 @@ void Viewer::DrawOverlaysAndPanels() {
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
   DrawPicks(picker_.picks(), camera_, surface_.size(), pixels_per_unit);
   if (show_panels_) {
+    DrawColorLegends(scene_);
     const std::string awaited = AwaitedText(scene_, dock_, channels_, displays_, frame_);
     if (!awaited.empty()) DrawAwaited(awaited, reach_, PanelRoom());
   }
@@ -49,6 +64,12 @@ void Viewer::DrawOverlaysAndPanels() {
   DrawHelp(show_help_);
   ImGui::Render();
   panels_renderer_.Draw();
+  if (glyphs_ != Glyphs::kAll && MissesGlyphs()) {
+    glyphs_ = glyphs_ == Glyphs::kLatin ? Glyphs::kFont : Glyphs::kAll;
+    SetLook(scale_, glyphs_);
+    panels_renderer_.ForgetFont();
+    pace_.WantAfterInput();
+  }
   if (remove) scene_.Remove(*remove);  // Its textures were needed until now.
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hgros/session/session.hpp"
+#include "viewer/data/color_map.hpp"
 #include "viewer/data/frames/fixed_frame.hpp"
 #include "viewer/data/image/image_picture.hpp"
 #include "viewer/data/shapes/scene_shapes.hpp"
@@ -34,6 +35,7 @@ struct DisplayInputs {
   Session& session;
   std::string channel;
   std::function<void()> wake;
+  std::size_t number = 0;  ///< Number of displays of the same type before it. The scene sets it.
 };
 
 /// How long data waits for its transform before that is reported as an error.
@@ -62,6 +64,14 @@ struct Label {
   Rgba color = MakeRgba(235, 238, 242);
   float height = 0;  ///< In pixels or meters; 0: the usual height.
   bool in_meters = false;
+};
+
+/// The meaning of the colors of a display.
+struct ColorLegend {
+  std::string name;  ///< Of what the color shows.
+  ColorMap map = ColorMap::kRainbow;
+  double lowest = 0;  ///< The value of the first color.
+  double highest = 1;
 };
 
 /// An image that is shown in its own panel.
@@ -117,6 +127,8 @@ class Display {
   /// Status. Empty: it waits for none.
   [[nodiscard]] virtual std::string WaitsFor() const { return {}; }
   [[nodiscard]] virtual std::vector<Label> Labels() const { return {}; }
+  /// None while the colors show no values.
+  [[nodiscard]] virtual std::optional<ColorLegend> Legend() const { return std::nullopt; }
   [[nodiscard]] virtual std::optional<ShownImage> Image() const { return std::nullopt; }
   /// The value of a pixel of its image as text. Reads a color back from the GPU.
   [[nodiscard]] virtual std::string PixelText(std::size_t /*x*/, std::size_t /*y*/) const { return {}; }

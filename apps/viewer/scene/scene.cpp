@@ -26,7 +26,9 @@ Scene::Entry& Scene::Add(const DisplayType& type, const DisplayInputs& inputs) {
   entry.name = inputs.channel.empty() ? type.name : inputs.channel;
   entry.channel = inputs.channel;
   entry.type = &type;
-  entry.display = type.make(inputs);
+  DisplayInputs numbered = inputs;
+  numbered.number = static_cast<std::size_t>(std::ranges::count(entries_, &type, &Entry::type));
+  entry.display = type.make(numbered);
   entries_.push_back(std::move(entry));
   Redraw();
   return entries_.back();

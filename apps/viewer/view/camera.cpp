@@ -120,20 +120,29 @@ void Camera::Focus(const Eigen::Vector3d& center, double radius) {
   Center(center);
 }
 
-void Camera::Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport) {
+void Camera::Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport, const PixelArea& room) {
   if (box.isEmpty() || !box.center().allFinite() || !box.sizes().allFinite()) return;
   constexpr double kMargin = 1.1;
   constexpr double kSmallest = 0.5;
-  const double aspect = static_cast<double>(viewport.width) / viewport.height;
+  const double per_pixel = 2 * std::tan(kHalfAngle) / viewport.height;  // at a depth of 1 m
+  const double half_width = 0.5 * per_pixel * room.width;
+  const double half_height = 0.5 * per_pixel * room.height;
+  const double right_pixels = room.x + 0.5 * room.width - 0.5 * viewport.width;
+  const double down_pixels = room.y + 0.5 * room.height - 0.5 * viewport.height;
   double distance = kSmallest;
   for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d corner =
+    Eigen::Vector3d corner =
         orientation_.conjugate() * (box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)) - box.center());
-    const double half = kMargin * std::max(std::abs(corner.x()) / aspect, std::abs(corner.y())) / std::tan(kHalfAngle);
+    if (!orthographic_) {  // Beside the middle of the picture, what is nearer is farther aside.
+      corner.x() += per_pixel * right_pixels * corner.z();
+      corner.y() -= per_pixel * down_pixels * corner.z();
+    }
+    const double half = kMargin * std::max(std::abs(corner.x()) / half_width, std::abs(corner.y()) / half_height);
     distance = std::max(distance, orthographic_ ? half : half + corner.z());
   }
   distance_ = std::min(distance, kFurthest);
   Center(box.center());
+  Pan(right_pixels, down_pixels, viewport);
 }
 
 void Camera::Place(const Eigen::Vector3d& eye, const Eigen::Quaterniond& orientation, double distance) {

@@ -14,6 +14,14 @@ struct Viewport {
   bool operator==(const Viewport&) const = default;
 };
 
+/// A part of the picture, in pixels.
+struct PixelArea {
+  double x = 0;
+  double y = 0;
+  double width = 1;
+  double height = 1;
+};
+
 /// The camera's data for the GPU. Positions go to the GPU as float differences from the eye, so that coordinates of
 /// 10^6 m and more stay exact.
 struct ViewMatrices {
@@ -51,8 +59,11 @@ class Camera {
   void Center(const Eigen::Vector3d& at);
   /// Looks at a sphere from the same direction, so that it fills the picture.
   void Focus(const Eigen::Vector3d& center, double radius);
-  /// The same for a box. Ignores a box that is not finite.
-  void Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport);
+  /// The same for a box. Ignores a box that is not finite. The box fills `room`, a part of the picture.
+  void Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport, const PixelArea& room);
+  void Focus(const Eigen::AlignedBox3d& box, const Viewport& viewport) {
+    Focus(box, viewport, {0, 0, static_cast<double>(viewport.width), static_cast<double>(viewport.height)});
+  }
   void SetOrthographic(bool orthographic) { orthographic_ = orthographic; }
   void Reset() { *this = Camera(); }
   /// Places the camera by its eye(), orientation() and distance(). The quaternion is normalized.

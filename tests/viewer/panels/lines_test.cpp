@@ -1,9 +1,12 @@
 #include <imgui_internal.h>
 
+#include <filesystem>
+
 #include "viewer/panels/overlay/status_line.hpp"
 #include "viewer/panels/overlay/time_bar.hpp"
 #include "viewer/panels/panel_fixture.hpp"
 #include "viewer/panels/view_panel.hpp"
+#include "viewer/panels/widgets/look.hpp"
 
 namespace hgros::viewer::test {
 namespace {
@@ -17,6 +20,25 @@ TEST_F(PanelLines, StatusIsIdleWhileNothingIsDrawn) {
   figures.frames_per_second = 0;
   EXPECT_NE(StatusText(figures).find("idle"), std::string::npos);
   EXPECT_EQ(StatusText(figures).find("frames/s"), std::string::npos);
+}
+
+TEST_F(PanelLines, CharactersThatAreMissingAreLoaded) {
+  if (!std::filesystem::exists("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")) GTEST_SKIP() << "no font";
+  const auto misses = [](const char* text, Glyphs glyphs) {
+    SetLook(1, glyphs);
+    unsigned char* pixels = nullptr;
+    int width = 0;
+    int height = 0;
+    ImGui::GetIO().Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
+    ImGui::NewFrame();
+    ImGui::GetForegroundDrawList()->AddText({20, 20}, IM_COL32_WHITE, text);
+    ImGui::Render();
+    return MissesGlyphs();
+  };
+  EXPECT_FALSE(misses("\xC3\xA4 ?", Glyphs::kLatin));
+  EXPECT_TRUE(misses("\xCE\xA9", Glyphs::kLatin)) << "a Greek letter";
+  EXPECT_FALSE(misses("\xCE\xA9 \xD0\x96 \xE2\x89\x88 \xE2\x86\x92", Glyphs::kFont));
+  EXPECT_TRUE(misses("\xEE\x80\x80", Glyphs::kFont)) << "no font has it";
 }
 
 TEST_F(PanelLines, TimeBarShowsItsSpanAndLimit) {

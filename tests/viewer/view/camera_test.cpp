@@ -175,6 +175,24 @@ TEST(Camera, FitsABoxIntoThePicture) {
   }
 }
 
+TEST(Camera, FitsABoxIntoAPartOfThePicture) {
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(100, -3, 0), Eigen::Vector3d(160, 9, 25));
+  const PixelArea room{500, 50, 280, 300};
+  for (const bool orthographic : {false, true}) {
+    Camera camera;
+    camera.SetOrthographic(orthographic);
+    camera.Focus(box, kViewport, room);
+    double widest = 0;
+    for (int i = 0; i < 8; ++i) {
+      const auto pixel = camera.PixelOf(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)), kViewport);
+      ASSERT_TRUE(pixel);
+      widest = std::max({widest, std::abs(pixel->x() - 640) / 140, std::abs(pixel->y() - 200) / 150});
+    }
+    EXPECT_LE(widest, 1);
+    EXPECT_GT(widest, 0.7);
+  }
+}
+
 TEST(Camera, IgnoresTargetsThatAreNotFinite) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kLargest = std::numeric_limits<double>::max();

@@ -2,6 +2,8 @@
 
 #include <imgui.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
@@ -11,12 +13,47 @@ namespace {
 
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kFontPixels = 14;
+// Pairs of the first and the last character. U+FFFD stands for what is missing.
+constexpr ImWchar kLatin[] = {0x20, 0xFF, 0xFFFD, 0xFFFD, 0};
+constexpr ImWchar kWhole[] = {0x20, 0xFFFF, 0};
+constexpr ImWchar kEastAsian[] = {0x2E80, 0x9FFF, 0xAC00, 0xD7A3, 0xF900, 0xFAFF, 0xFF00, 0xFFEF, 0};
+constexpr std::array<const char*, 7> kEastAsianFonts = {"/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
+                                                        "/usr/share/fonts/truetype/wqy/wqy-zenhei.ttc",
+                                                        "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",
+                                                        "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
+                                                        "/usr/share/fonts/truetype/nanum/NanumGothic.ttf",
+                                                        "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf",
+                                                        "/usr/share/fonts/truetype/arphic/uming.ttc"};
+
+bool Exists(const char* file) {
+  std::error_code ignored;
+  return std::filesystem::exists(file, ignored);
+}
+
+void LoadFonts(float scale, Glyphs glyphs) {
+  ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+  fonts.Clear();
+  ImFontConfig config;
+  config.OversampleH = 1;
+  config.PixelSnapH = true;
+  const float pixels = std::round(kFontPixels * scale);
+  if (Exists(kFont)) {
+    fonts.AddFontFromFileTTF(kFont, pixels, &config, glyphs == Glyphs::kLatin ? kLatin : kWhole);
+  } else {
+    config.SizePixels = std::round(13 * scale);
+    fonts.AddFontDefault(&config);
+  }
+  const auto east_asian = std::ranges::find_if(kEastAsianFonts, Exists);
+  if (glyphs != Glyphs::kAll || east_asian == kEastAsianFonts.end()) return;
+  config.MergeMode = true;
+  fonts.AddFontFromFileTTF(*east_asian, pixels, &config, kEastAsian);
+}
 
 ImVec4 Gray(float value, float alpha = 1) { return {value * 0.96F, value * 0.99F, value * 1.04F, alpha}; }
 
 }  // namespace
 
-void SetLook(float scale) {
+void SetLook(float scale, Glyphs glyphs) {
   ImGuiStyle& style = ImGui::GetStyle();
   style = ImGuiStyle();
   ImGui::StyleColorsDark(&style);
@@ -50,18 +87,18 @@ void SetLook(float scale) {
   style.Colors[ImGuiCol_TextDisabled] = Gray(0.58F);
   style.ScaleAllSizes(scale);
 
-  ImGuiIO& io = ImGui::GetIO();
-  io.Fonts->Clear();
-  ImFontConfig config;
-  config.OversampleH = 1;
-  config.PixelSnapH = true;
-  std::error_code ignored;
-  if (std::filesystem::exists(kFont, ignored)) {
-    io.Fonts->AddFontFromFileTTF(kFont, std::round(kFontPixels * scale), &config);
-  } else {
-    config.SizePixels = std::round(13 * scale);
-    io.Fonts->AddFontDefault(&config);
-  }
+  LoadFonts(scale, glyphs);
+}
+
+bool MissesGlyphs() {
+  const ImDrawData* const data = ImGui::GetDrawData();
+  const ImVector<ImFont*>& fonts = ImGui::GetIO().Fonts->Fonts;
+  if (data == nullptr || fonts.empty() || fonts[0]->FallbackGlyph == nullptr) return false;
+  const ImFontGlyph& sign = *fonts[0]->FallbackGlyph;
+  const auto is_sign = [&](const ImDrawVert& corner) { return corner.uv.x == sign.U0 && corner.uv.y == sign.V0; };
+  return std::any_of(data->CmdLists, data->CmdLists + data->CmdListsCount, [&](const ImDrawList* list) {
+    return std::any_of(list->VtxBuffer.begin(), list->VtxBuffer.end(), is_sign);
+  });
 }
 
 }  // namespace hgros::viewer

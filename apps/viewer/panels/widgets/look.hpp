@@ -1,9 +1,20 @@
 #pragma once
 
+#include <cstdint>
+
 namespace hgros::viewer {
 
+/// Which characters can be written. More need time and memory, so they are loaded when they are needed.
+enum class Glyphs : std::uint8_t {
+  kLatin,
+  kFont,  ///< All of the font.
+  kAll,   ///< Also Chinese, Japanese and Korean, if a font for them is installed.
+};
+
 /// Sets ImGui's colors, sizes and font. `scale` is the number of screen pixels per pixel of the design.
-void SetLook(float scale);
+void SetLook(float scale, Glyphs glyphs = Glyphs::kLatin);
+/// Whether the output of ImGui::Render has a sign in place of a character that cannot be written.
+[[nodiscard]] bool MissesGlyphs();
 
 /// The color of errors and warnings.
 struct WarningColor {

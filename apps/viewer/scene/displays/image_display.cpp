@@ -63,6 +63,12 @@ class ImageDisplay : public Display {
     return ColorText(pixel);
   }
 
+  [[nodiscard]] std::optional<ColorLegend> Legend() const override {
+    if (!shown_ || !picture_.least || !picture_.greatest) return std::nullopt;
+    return ColorLegend{picture_.encoding, gray_ ? ColorMap::kGray : static_cast<ColorMap>(map_), *picture_.least,
+                       *picture_.greatest};
+  }
+
   [[nodiscard]] std::vector<Setting> Settings() override {
     const auto measured = [this] { return picture_.least.has_value(); };
     const auto colored = [this, measured] { return measured() && !gray_; };

@@ -30,6 +30,9 @@ Change PointsDisplay::Update(const UpdateContext& context) {
     shown_field_ = read.batch.scalar_name;
     frame_ = read.batch.frame;
     empty_ = read.batch.positions.empty();
+    if (!empty_ && !std::exchange(color_given_, true) && !read.batch.colors.empty()) {
+      color_by_ = static_cast<int>(ColorBy::kRgb);
+    }
     if (waiting_.size() == kMostMessagesWaiting) {
       waiting_.pop_front();
       ++unplaced_;
@@ -181,6 +184,14 @@ std::string PointsDisplay::ValueAt(const Eigen::Vector3d& at, double radius_m) c
   return shown_field_ + text;
 }
 
+std::optional<ColorLegend> PointsDisplay::Legend() const {
+  if (!mapped() || points() == 0) return std::nullopt;
+  const PointStyle style = Style(1);
+  const bool by_axis = style.color_by == ColorBy::kAxis;
+  if (!by_axis && shown_field_.empty()) return std::nullopt;
+  return ColorLegend{by_axis ? std::string(1, "xyz"[axis_]) + " in m" : shown_field_, style.map, style.lo, style.hi};
+}
+
 void PointsDisplay::Clear() {
   kept_.clear();
   recent_.Clear();
@@ -192,14 +203,12 @@ void PointsDisplay::Clear() {
 
 std::vector<Setting> PointsDisplay::Settings() {
   const auto colored_by = [this](ColorBy by) { return [this, by] { return color_by_ == static_cast<int>(by); }; };
-  const auto mapped = [this] {
-    return color_by_ == static_cast<int>(ColorBy::kAxis) || color_by_ == static_cast<int>(ColorBy::kScalar);
-  };
+  const auto by_map = [this] { return mapped(); };
   const auto [map, automatic, lowest, highest] =
       ColorMapSettings({&map_, &auto_range_, &lo_, &hi_},
-                       "The colors go from the lowest to the highest value so far, without the outer 2 % at "
-                       "each end, which have the first and the last color.",
-                       mapped, {"color", {"axis", "value"}});
+                       "The colors go from the lowest to the highest value, without the outer 2 % at each end, which "
+                       "have the first and the last color.",
+                       by_map, {"color", {"axis", "value"}});
   return {
       {"keep", "Which points stay: those of the latest message, of some messages, of some time, or all.",
        Setting::Choice{&keep_, {"latest", "count", "time", "all"}}},
@@ -237,6 +246,7 @@ std::vector<Setting> PointsDisplay::Settings() {
 
 void PointsDisplay::OnSetting(const std::string& name) {
   setting_changed_ = true;
+  if (name == "color") color_given_ = true;
   if (name == "keep") {
     Clear();
   } else if (name == "field") {

@@ -3,6 +3,7 @@
 #include <array>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,8 +40,14 @@ class PointsDisplay : public Display {
   [[nodiscard]] double oldest_s() const final { return recent_.oldest_s(); }
   [[nodiscard]] std::string data_frame() const final { return frame_; }
   [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const final;
+  [[nodiscard]] std::optional<ColorLegend> Legend() const final;
 
  protected:
+  /// The color starts as the z axis, or as the points' own colors if the first ones have some.
+  PointsDisplay() = default;
+  /// All points start with one color.
+  explicit PointsDisplay(const std::array<float, 3>& flat)
+      : color_given_(true), color_by_(static_cast<int>(ColorBy::kFlat)), flat_(flat) {}
   struct Read {
     PointBatch batch;
     std::string fault;  ///< If it is not empty, there is no batch.
@@ -60,6 +67,9 @@ class PointsDisplay : public Display {
 
   [[nodiscard]] std::size_t MostMessages() const;
   [[nodiscard]] PointStyle Style(float scale) const;
+  [[nodiscard]] bool mapped() const {
+    return color_by_ == static_cast<int>(ColorBy::kAxis) || color_by_ == static_cast<int>(ColorBy::kScalar);
+  }
   /// Places a batch in the fixed frame. Returns whether the range of the colors has changed.
   bool Place(const PointBatch& batch, const RigidTransform& T_fixed_frame, const UpdateContext& context);
   void Keep(const PlacedPoints& placed, const PointBatch& batch, const std::string& fixed_frame);
@@ -82,7 +92,8 @@ class PointsDisplay : public Display {
   double shown_until_s_ = std::numeric_limits<double>::infinity();
   std::uint64_t unplaced_ = 0;
   bool setting_changed_ = false;
-  bool empty_ = false;  ///< The last message had no points.
+  bool empty_ = false;        ///< The last message had no points.
+  bool color_given_ = false;  ///< The first points do not decide what the color shows.
 
   int keep_ = kLatest;
   float keep_count_ = 10;

@@ -81,6 +81,13 @@ class VoxelDisplay : public PlacedDisplay {
   }
   [[nodiscard]] std::size_t settled_points() const override { return blended() ? 0 : kPointsOfACube * cubes_.size(); }
   [[nodiscard]] std::size_t gpu_bytes() const override { return cubes_.gpu_bytes(); }
+  [[nodiscard]] std::optional<ColorLegend> Legend() const override {
+    const VoxelStyle style = Style();
+    if (empty() || style.color_by == VoxelStyle::ColorBy::kFlat) return std::nullopt;
+    const bool value = style.color_by == VoxelStyle::ColorBy::kValue;
+    return ColorLegend{value ? read_.picture.field : "height in m", static_cast<ColorMap>(style.map), style.lo,
+                       style.hi};
+  }
   // The picked point is on a face between two cells. The occupied one is meant.
   [[nodiscard]] std::string ValueAt(const Eigen::Vector3d& at, double radius_m) const override {
     const auto from_corner = FromCorner(at);
@@ -134,20 +141,7 @@ class VoxelDisplay : public PlacedDisplay {
   [[nodiscard]] const Eigen::Isometry3d& T_frame_corner() const override { return read_.picture.T_frame_corner; }
   [[nodiscard]] Eigen::AlignedBox3d box() const override { return read_.box; }
   void Draw(const DrawContext& context, const RigidTransform& T_fixed_corner, const Slice& slice) override {
-    VoxelStyle style = style_;
-    style.color_by = static_cast<VoxelStyle::ColorBy>(color_by_);
-    if (!auto_range_) {
-      style.lo = static_cast<double>(lo_);
-      style.hi = static_cast<double>(hi_);
-    } else if (style.color_by == VoxelStyle::ColorBy::kValue) {
-      style.lo = static_cast<double>(read_.values.lo());
-      style.hi = static_cast<double>(read_.values.hi());
-    } else {
-      const Eigen::AlignedBox3d bounds = Bounds();
-      style.lo = bounds.min().z();
-      style.hi = bounds.max().z();
-    }
-    cubes_.Draw(context, T_fixed_corner, style, slice, blended());
+    cubes_.Draw(context, T_fixed_corner, Style(), slice, blended());
   }
   void Describe(std::vector<std::string>& lines) const override {
     const VoxelPicture& picture = read_.picture;
@@ -162,6 +156,23 @@ class VoxelDisplay : public PlacedDisplay {
 
  private:
   using Newest = NewestMessage<VoxelGrid, VoxelOptions, ReadVoxelGrid>;
+
+  [[nodiscard]] VoxelStyle Style() const {
+    VoxelStyle style = style_;
+    style.color_by = static_cast<VoxelStyle::ColorBy>(color_by_);
+    if (!auto_range_) {
+      style.lo = static_cast<double>(lo_);
+      style.hi = static_cast<double>(hi_);
+    } else if (style.color_by == VoxelStyle::ColorBy::kValue) {
+      style.lo = static_cast<double>(read_.values.lo());
+      style.hi = static_cast<double>(read_.values.hi());
+    } else {
+      const Eigen::AlignedBox3d bounds = Bounds();
+      style.lo = bounds.min().z();
+      style.hi = bounds.max().z();
+    }
+    return style;
+  }
 
   [[nodiscard]] std::optional<std::string> Show(std::optional<Newest::Read> read) {
     if (!read) return std::nullopt;

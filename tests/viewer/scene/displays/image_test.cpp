@@ -110,6 +110,8 @@ TEST_F(ImageDisplayTest, DrawsDepths) {
   (void)DrawPanels({250, 150});
   ExpectDrawnAsKept("image_depth");
   EXPECT_THAT(display.Status(), Contains(HasSubstr("from 500 to 4250")));
+  ASSERT_TRUE(display.Legend());
+  EXPECT_EQ(display.Legend()->highest, 4250);
 }
 
 TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {

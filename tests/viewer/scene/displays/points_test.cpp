@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -319,6 +320,47 @@ TEST_F(PointsDisplayTest, DrawsAScan) {
   Send("scan", scan);
   camera_.LookFromAbove();
   ExpectAsKept("scan_of_a_room");
+}
+
+TEST_F(PointsDisplayTest, EachScanHasAColorOfItsOwn) {
+  const auto setting = [](Display& display, const std::string& name) {
+    const std::vector<Setting> all = display.Settings();
+    return TextOf(*std::ranges::find(all, name, &Setting::name));
+  };
+  Display& front = Add("Laser scan", "front");
+  Add("Ground");
+  Display& rear = Add("Laser scan", "rear");
+  EXPECT_EQ(setting(front, "color"), "flat");
+  EXPECT_NE(setting(front, "flat"), setting(rear, "flat"));
+  EXPECT_FALSE(front.Legend());
+}
+
+TEST_F(PointsDisplayTest, CloudsWithColorsStartInTheirColorsUnlessToldOtherwise) {
+  const auto color = [](Display& display) {
+    const std::vector<Setting> all = display.Settings();
+    return TextOf(*std::ranges::find(all, "color", &Setting::name));
+  };
+  Display& cloud = Add("Point cloud", "cloud");
+  EXPECT_EQ(color(cloud), "axis");
+  Send("cloud", Spiral());
+  EXPECT_EQ(color(cloud), "rgb");
+  EXPECT_EQ(color(Show("Point cloud", "told", Spiral(), {"color", "axis"})), "axis");
+}
+
+TEST_F(PointsDisplayTest, HasALegendWithTheLimitsOfItsColors) {
+  Display& display = Add("Point cloud", "cloud", {"color", "value", "map", "fire"});
+  EXPECT_FALSE(display.Legend()) << "there is no point yet";
+  Send("cloud", Spiral());
+  const auto legend = display.Legend();
+  ASSERT_TRUE(legend);
+  EXPECT_EQ(legend->name, "intensity");
+  EXPECT_EQ(legend->map, ColorMap::kFire);
+  EXPECT_EQ(legend->lowest, 0);
+  EXPECT_EQ(legend->highest, 39);
+  SetStandingStill(display, "color", "axis");
+  EXPECT_EQ(display.Legend()->name, "z in m");
+  SetStandingStill(display, "color", "rgb");
+  EXPECT_FALSE(display.Legend());
 }
 
 TEST_F(PointsDisplayTest, ClearRemovesAllPoints) {
