@@ -170,6 +170,16 @@ void hgros_service_close(hgros_service* service) {
   delete service;
 }
 
+hgros_status hgros_wait_for_service(const hgros_session* session, const char* name, int64_t timeout_ns) {
+  return c::Guarded([&] {
+    const std::string_view service = c::Text(name, "name");
+    const hgros_session& on = c::Opened(session);
+    if (on.session->WaitForService(service, c::Timeout(timeout_ns))) return hgros_status{HGROS_OK};
+    if (on.life->closed()) return c::Fail(HGROS_CLOSED, on.life->why_closed());
+    return c::Fail(HGROS_TIMED_OUT, "Nobody serves \"" + std::string(service) + "\".");
+  });
+}
+
 hgros_status hgros_call(hgros_session* session, const char* name, const hgros_schema* request_schema, const void* data,
                         size_t size, const hgros_schema* reply_schema, int64_t timeout_ns, hgros_message** reply) {
   if (reply != nullptr) *reply = nullptr;

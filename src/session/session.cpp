@@ -173,9 +173,11 @@ std::shared_ptr<PendingCall> SessionServices::CallBytes(std::string_view name, c
 }
 Service SessionServices::ServeAny(std::string_view name, const CallTypes& types, AnyHandler handler, Invoke invoke,
                                   NodeOptions options, const CallSite& where) {
-  return Service(services_core_.services().Serve({std::string(name), &types.request, &types.reply, &types.request_body,
-                                                  &types.reply_body, invoke, std::move(handler)},
-                                                 std::move(options), where));
+  Service service(services_core_.services().Serve({std::string(name), &types.request, &types.reply, &types.request_body,
+                                                   &types.reply_body, invoke, std::move(handler)},
+                                                  std::move(options), where));
+  services_core_.changes_.Notify();
+  return service;
 }
 std::shared_ptr<PendingCall> SessionServices::CallAny(std::string_view name, const CallTypes& types, AnyMessage request,
                                                       std::chrono::nanoseconds timeout, AnyAnswer callback,
@@ -183,6 +185,18 @@ std::shared_ptr<PendingCall> SessionServices::CallAny(std::string_view name, con
   return services_core_.services().Call(
       name, {types.request, types.reply, types.request_body, std::move(request), timeout, answers_inline},
       std::move(callback));
+}
+
+bool SessionServices::WaitForService(std::string_view name, std::chrono::nanoseconds timeout) const {
+  RequireServiceName(name);
+  const std::string requests = RequestChannel(name);
+  const auto is_other = [own = services_core_.id()](const ChannelUser& one) { return one.session != own; };
+  return services_core_.WaitUntil(timeout, [&] {
+    if (services_core_.services().HostOf(name)) return true;
+    const std::vector<KnownChannel> channels = services_core_.Channels();
+    const auto found = std::ranges::find(channels, requests, &KnownChannel::name);
+    return found != channels.end() && std::ranges::any_of(found->subscribers, is_other);
+  });
 }
 
 void SessionNetwork::AllowPublishing(std::string_view channel, bool allowed) {

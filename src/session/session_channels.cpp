@@ -27,7 +27,10 @@ std::vector<KnownChannel> SessionCore::Channels() {
   return directory.Channels();
 }
 
-void SessionCore::OnChannels() noexcept { events_->PublishChannels(*errands_); }
+void SessionCore::OnChannels() noexcept {
+  events_->PublishChannels(*errands_);
+  changes_.Notify();
+}
 
 // If the channel has its type already, no publisher is asked.
 std::shared_ptr<const MessageSchema> SessionCore::AwaitSchema(std::string_view channel,

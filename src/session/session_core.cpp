@@ -261,11 +261,6 @@ std::optional<ClockOffset> SessionCore::OffsetTo(SessionId peer) const {
   return bridge_ && bridge_->IsOnThisHost(peer) ? ClockOffset{} : host_clocks_->OffsetTo(peer);
 }
 
-Config SessionCore::config() const {
-  const std::scoped_lock lock(mutex_);
-  return config_;
-}
-
 SessionSnapshot SessionCore::Snapshot() const {
   SessionSnapshot snapshot;
   snapshot.id = id_;

@@ -95,11 +95,12 @@ class SessionCore final : public TransportListener, private ServicePlace {
   [[nodiscard]] SessionId id() const noexcept { return id_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] Log& log() const noexcept { return *log_; }
-  [[nodiscard]] Config config() const;
+  [[nodiscard]] Config config() const { return (std::scoped_lock(mutex_), config_); }
   [[nodiscard]] std::shared_ptr<const void> TryReserve(std::string_view name) { return reserved_.TryReserve(name); }
 
  private:
   friend class SessionParts;
+  friend class SessionServices;
   // In session_services.cpp: the ServicePlace of the services.
   Subscription Listen(const std::string& channel, const TypeInfo& type, AnyCallback callback,
                       std::size_t queue_depth) override;

@@ -106,22 +106,6 @@ inline SessionHandle Open(const std::string& yaml, LogLines& log, const char* na
   return Opened<hgros_session_close>(hgros_session_open, yaml.c_str(), &options);
 }
 
-/// Waits until the session knows who serves that. A call before that may find nobody.
-inline bool AwaitServed(const SessionHandle& session, const std::string& service) {
-  return Await([&] {
-    hgros_channels* channels = nullptr;
-    if (hgros_channels_open(session.get(), &channels) != HGROS_OK) return false;
-    bool served = false;
-    for (std::size_t i = 0; i < hgros_channels_count(channels); ++i) {
-      auto one = Sized<hgros_channel>();
-      if (hgros_channels_get(channels, i, &one) != HGROS_OK) continue;
-      served = served || (one.name == "hgros/call/" + service && one.subscribers > 0);
-    }
-    hgros_channels_free(channels);
-    return served;
-  });
-}
-
 inline SchemaHandle TextSchema(const char* name = "text") {
   return Opened<hgros_schema_free>(hgros_schema_create, name, HGROS_ENCODING_CUSTOM, 0U, nullptr, 0U);
 }

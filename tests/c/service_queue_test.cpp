@@ -46,7 +46,7 @@ class CServiceQueue : public CTest {
 TEST_F(CServiceQueue, RequestsOfBothSessionsAreTakenAndAnsweredByTheProgram) {
   const auto service = Serve();
   const auto other = OpenOther();
-  ASSERT_TRUE(AwaitServed(other, "ask"));
+  ASSERT_EQ(hgros_wait_for_service(other.get(), "ask", kPatienceNs), HGROS_OK) << LastError();
   EXPECT_FALSE(IsReadable(service));
   EXPECT_EQ(Take(service, 0).status, HGROS_TIMED_OUT);
   for (const SessionHandle* const from : std::initializer_list<const SessionHandle*>{&session, &other}) {
@@ -103,7 +103,7 @@ TEST_F(CServiceQueue, EndWakesItsThreadsAndFailsWhatWaits) {
 TEST_F(CServiceQueue, EndedServiceIsNoLongerFound) {
   const auto service = Serve();
   const auto other = OpenOther();
-  ASSERT_TRUE(AwaitServed(other, "ask"));
+  ASSERT_EQ(hgros_wait_for_service(other.get(), "ask", kPatienceNs), HGROS_OK) << LastError();
   std::thread first = Caller(other, "1");
   EXPECT_EQ(hgros_reply_set(Take(service).reply.get(), "one", 3), HGROS_OK);
   first.join();
@@ -143,7 +143,7 @@ TEST_F(CServiceQueue, RequestWhoseCallerGaveUpIsSkippedAndCounted) {
 TEST_F(CServiceQueue, EndsWithItsSession) {
   const auto service = Serve();
   const auto other = OpenOther();
-  ASSERT_TRUE(AwaitServed(other, "ask"));
+  ASSERT_EQ(hgros_wait_for_service(other.get(), "ask", kPatienceNs), HGROS_OK) << LastError();
   std::thread caller = Caller(other, "1");
   const Taken taken = Take(service);
   std::thread taker([&] { EXPECT_EQ(Take(service).status, HGROS_CLOSED); });

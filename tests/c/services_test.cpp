@@ -63,7 +63,7 @@ TEST_F(CServices, AnswerInTheSameSessionAndInAnother) {
   const auto service = Serve(session);
   const auto other = OpenOther();
   EXPECT_EQ(Call(session, "here"), "here");
-  ASSERT_TRUE(AwaitServed(other, "echo"));
+  ASSERT_EQ(hgros_wait_for_service(other.get(), "echo", kPatienceNs), HGROS_OK) << LastError();
   EXPECT_EQ(Call(other, "there"), "there");
 }
 
@@ -77,6 +77,8 @@ TEST_F(CServices, HandlerThatFailsOrForgetsItsReplyTellsTheCaller) {
 
 TEST_F(CServices, MissingServerAndWrongTypeAreToldApart) {
   EXPECT_EQ(Call(session, "x"), "<no server>");
+  EXPECT_EQ(hgros_wait_for_service(session.get(), "echo", 1), HGROS_TIMED_OUT);
+  EXPECT_EQ(hgros_wait_for_service(session.get(), "", 1), HGROS_ERROR);
   const auto service = Serve(session);
   const auto numbers = TextSchema("number");
   EXPECT_EQ(Call(session, "x", numbers.get()), "<type mismatch>");

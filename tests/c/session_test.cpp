@@ -145,6 +145,7 @@ TEST_F(CSession, EndWakesAllThatWaitAndLeavesTheHandleValid) {
       [&] { return hgros_session_sleep_until(session.get(), INT64_MAX); },
       [&] { return hgros_session_wait_for_subscribers(session.get(), "words", 9, -1); },
       [&] { return hgros_session_wait_for_publishers(session.get(), "words", 9, -1); },
+      [&] { return hgros_wait_for_service(session.get(), "nobody", -1); },
       [&] { return hgros_publish_wait(publisher.get(), "x", 1, -1); },
       [&] { return hgros_call(session.get(), "nobody", text.get(), "x", 1, nullptr, -1, &reply); },
       [&] { return hgros_transforms_wait(transforms, "map", "base", 1, -1, &found); },

@@ -56,6 +56,16 @@ TEST(HgrosCall, ShowsTheReplyOrSaysWhyThereIsNone) {
   EXPECT_EQ(failed.out, "");
 }
 
+TEST(HgrosCall, WaitFindsAServiceThatIsServedLater) {
+  RobotForCommands robot;
+  EXPECT_THAT(RunToEnd({"wait", "--service", "ask", "--timeout", "0.3"}, robot.environment()),
+              Ends(3, HasSubstr("No session serves ask.")));
+  CommandRun wait(Patiently({"wait", "--service", "ask"}), robot.environment());
+  const Service ask = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
+  EXPECT_EQ(wait.Wait(), 0) << wait.err();
+  EXPECT_THAT(RunToEnd({"wait", "--timeout", "1"}, robot.environment()), Ends(2, HasSubstr("--service")));
+}
+
 TEST(HgrosCall, CallsAServiceWhoseTypesAreInAFile) {
   RobotForCommands robot;
   const Service service = robot.session().ServeRaw("grip", GripSchema(), GripSchema(),

@@ -26,20 +26,10 @@ class Services(RobotTest):
         server.start()
         return server, client
 
-    def call(self, robot, *args, **options):
-        """Calls until the service is found."""
-        found = []
-
-        def answered():
-            try:
-                found.append(robot.call(*args, **options).result())
-            except hgros.CallError as error:
-                if error.kind != "no server":
-                    raise
-            return bool(found)
-
-        wait_until(answered)
-        return found[0]
+    def call(self, robot, name, *args, **options):
+        """Calls once the service is found."""
+        self.assertTrue(robot.wait_for_service(name, timeout=DEADLINE_S))
+        return robot.call(name, *args, **options).result()
 
     def failure(self, call):
         with self.assertRaises(hgros.CallError) as failed:
@@ -86,6 +76,7 @@ class Services(RobotTest):
     def test_call_without_a_server_that_spins_times_out_is_cancelled_or_ends_with_its_service(self):
         robot = self.session()
         self.assertEqual(self.failure(robot.call("nothing", Vector2(), Log, timeout=0.2)).kind, "no server")
+        self.assertFalse(robot.wait_for_service("nothing", timeout=0.1))
         service = robot.serve("add", Vector2, Log, add)
         self.assertEqual(self.failure(robot.call("add", Vector2(), Log, timeout=0.05)).kind, "timed out")
         call = robot.call("add", Vector2(), Log, timeout=DEADLINE_S)

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <random>
+#include <thread>
 
 #include "services/services_fixture.hpp"
 #include "support/seed.hpp"
@@ -22,6 +23,18 @@ TEST_P(ServiceOverEveryTransport, RepliesToACallback) {
                                                       [&](const CallResult<Total>& result) { sum = result->value; });
   EXPECT_TRUE(Await([&] { return sum == 5; }));
   EXPECT_TRUE(ticket.done());
+}
+
+TEST_P(ServiceOverEveryTransport, IsWaitedForUntilItIsServed) {
+  EXPECT_FALSE(pair->caller().WaitForService("add", std::chrono::milliseconds(1)));
+  bool found = false;
+  std::thread waiting([&] { found = pair->caller().WaitForService("add", kLong); });
+  Service service = pair->server().Serve<Sum, Total>("add", Add);
+  waiting.join();
+  ASSERT_TRUE(found);
+  EXPECT_TRUE((pair->caller().Call<Sum, Total>("add", Sum{2, 3}, kLong).Wait()));
+  service.Reset();
+  EXPECT_TRUE(Await([&] { return !pair->caller().WaitForService("add", std::chrono::nanoseconds(0)); }));
 }
 
 TEST_P(ServiceOverEveryTransport, ReportsWhatTheHandlerThrew) {

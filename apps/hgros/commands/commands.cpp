@@ -69,7 +69,7 @@ constexpr std::array kCommands{
     CommandEntry{"restart", "Start a process or program of a robot again", kRun, MakeRestart},
     CommandEntry{"move", "Move a component to another process or host", kRun, MakeMove},
     CommandEntry{"stop", "End a robot", kRun, MakeStop},
-    CommandEntry{"wait", "Wait until a robot has ended", kRun, MakeWait},
+    CommandEntry{"wait", "Wait until a robot has ended, or until a service is there", kRun, MakeWait},
     CommandEntry{"export", "Write a robot file for other starters", kRun, nullptr},
     CommandEntry{"export systemd", "Write units of systemd", kRun, MakeExportSystemd},
     CommandEntry{"export compose", "Write a file for Docker Compose", kRun, MakeExportCompose},

@@ -90,13 +90,15 @@ ChannelType TypeFrom(MessageSchema schema) {
 }
 
 bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::string& what,
-                   const std::function<bool()>& ready) {
+                   const std::function<bool()>& ready, bool endless) {
   if (ready()) return true;
   Pause& pause = robot.surroundings().pause;
   const Subscription changes = robot.session().FromGraph<ChannelsChanged>(
       kChannelEventsChannel, Invoke::kSerial, [&pause](const ChannelsChanged&) { pause.Wake(); });
-  const std::chrono::nanoseconds time = options.Timeout(std::chrono::milliseconds(500));
-  const auto deadline = std::chrono::steady_clock::now() + time;
+  const bool limited = !endless || options.timeout_s;
+  const auto time = limited ? options.Timeout(std::chrono::milliseconds(500)) : std::chrono::nanoseconds(0);
+  const auto deadline =
+      limited ? std::chrono::steady_clock::now() + time : std::chrono::steady_clock::time_point::max();
   const Progress progress(robot.surroundings().console, pause, "waiting for " + Visible(what), time);
   while (!ready()) {
     if (pause.Until(deadline) != Pause::End::kWoken) return ready();

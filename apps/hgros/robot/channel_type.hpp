@@ -27,10 +27,10 @@ struct ChannelType {
                                         const std::string& channel, const std::string& given,
                                         const std::string& otherwise = {});
 
-/// Waits for `what`, such as "a server of ask", until `ready` is true, at most half a second or --timeout. A session
-/// that has just started is not found at once.
+/// Waits for `what`, such as "a server of ask", until `ready` is true, at most for --timeout, and without it for half a
+/// second, or if `endless` until the user ends the command. A session that has just started is not found at once.
 [[nodiscard]] bool AwaitChannels(Robot& robot, const RobotOptions& options, const std::string& what,
-                                 const std::function<bool()>& ready);
+                                 const std::function<bool()>& ready, bool endless = false);
 
 /// The channel `name` as the robot uses it; without sessions if it is not used.
 [[nodiscard]] KnownChannel ChannelNamed(const Robot& robot, const std::string& name);

@@ -221,23 +221,35 @@ class Session:
 
     def wait_for_subscribers(self, channel: str, count: int = 1, timeout: float = 5.0) -> bool:
         """Waits until a channel that this session advertises has subscribers. False if the timeout came first."""
-        return self._wait_in_slices(self._use().wait_for_subscribers, channel, count, timeout)
+        check_name(channel, "channel")
+        native = self._use()
+        return self._wait_in_slices(lambda part: native.wait_for_subscribers(channel, count, part), timeout)
 
     def wait_for_publishers(self, channel: str, count: int = 1, timeout: float = 5.0) -> bool:
         """Waits until other sessions that publish on the channel are connected. False if the timeout came first."""
-        return self._wait_in_slices(self._use().wait_for_publishers, channel, count, timeout)
+        check_name(channel, "channel")
+        native = self._use()
+        return self._wait_in_slices(lambda part: native.wait_for_publishers(channel, count, part), timeout)
+
+    def wait_for_service(self, name: str, timeout: float = 5.0) -> bool:
+        """Waits until this session serves `name`, or knows another one that does: a call finds it then.
+
+        False if the timeout came first.
+        """
+        check_name(name, "service")
+        native = self._use()
+        return self._wait_in_slices(lambda part: native.wait_for_service(name, part), timeout)
 
     @staticmethod
-    def _wait_in_slices(wait: Callable[[str, int, float], bool], channel: str, count: int, timeout: float) -> bool:
-        check_name(channel, "channel")
+    def _wait_in_slices(wait: Callable[[float], bool], timeout: float) -> bool:
         check_seconds(timeout, "timeout")
         # No signal ends the library's wait. Between two parts of it Python handles signals.
         part = 0.05
         while timeout > part:
-            if wait(channel, count, part):
+            if wait(part):
                 return True
             timeout -= part
-        return wait(channel, count, max(timeout, 0.0))
+        return wait(max(timeout, 0.0))
 
     # Subscribing.
 

@@ -100,7 +100,13 @@ void BindSession(py::module_& module) {
           [](SessionHandle& one, const std::string& channel, std::size_t count, double timeout) {
             return one.Use()->WaitForPublishers(channel, count, Nanoseconds(timeout));
           },
-          Released(), py::arg("channel"), py::arg("count"), py::arg("timeout"));
+          Released(), py::arg("channel"), py::arg("count"), py::arg("timeout"))
+      .def(
+          "wait_for_service",
+          [](SessionHandle& one, const std::string& name, double timeout) {
+            return one.Use()->WaitForService(name, Nanoseconds(timeout));
+          },
+          Released(), py::arg("name"), py::arg("timeout"));
 }
 
 }  // namespace hgros::python

@@ -62,6 +62,10 @@ void hgros_reply_free(hgros_reply* reply);
 /// called while other threads use it.
 void hgros_service_end(hgros_service* service);
 
+/// Waits until this session serves `name`, or knows another one that does: a call finds it then. Errors:
+/// HGROS_TIMED_OUT, HGROS_CLOSED; HGROS_ERROR if no service can have that name.
+hgros_status hgros_wait_for_service(const hgros_session* session, const char* name, int64_t timeout_ns);
+
 /// Calls the service `name` with a copy of the bytes and waits for the reply, which the caller frees. `reply_schema`:
 /// the expected type; NULL: any. Inside a callback the thread meanwhile handles requests of its own session, so that it
 /// does not wait for itself.

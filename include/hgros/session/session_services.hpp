@@ -89,6 +89,11 @@ class HGROS_EXPORT SessionServices {
                                 AnswerTo<RawMessage>(std::forward<F>(callback)), executor));
   }
 
+  /// Waits until this session serves `name`, or knows another one that does: a Call finds it then. False if `timeout`
+  /// came first, or if the session is ending. Do not call it in callbacks.
+  /// Errors: throws Error if no service can have that name.
+  [[nodiscard]] bool WaitForService(std::string_view name, std::chrono::nanoseconds timeout) const;
+
  protected:
   explicit SessionServices(SessionCore& core) noexcept : services_core_(core) {}
   ~SessionServices() = default;

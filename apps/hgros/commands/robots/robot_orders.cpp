@@ -3,10 +3,14 @@
 #include <vector>
 
 #include "commands/commands.hpp"
+#include "hgros/base/names.hpp"
 #include "launch/robot_client.hpp"
 #include "launch/robot_report.hpp"
 #include "launch/robot_socket.hpp"
+#include "robot/channel_type.hpp"
+#include "robot/robot.hpp"
 #include "terminal/console.hpp"
+#include "terminal/pause.hpp"
 #include "terminal/progress.hpp"
 #include "terminal/visible_text.hpp"
 
@@ -112,16 +116,22 @@ class WaitCommand final : public Command {
  public:
   void Declare(Arguments& arguments) override {
     arguments.Positional({"ROBOT", "", "Its name, if several run", ValueKind::kName, {}, false}, robot_);
+    arguments.Option("--service", "NAME", service_, "Wait until a session serves this instead", ValueKind::kService);
+    options_.Declare(arguments);
   }
   [[nodiscard]] std::string Description() const override {
     return "Waits until a robot has ended. The exit code is that of the robot: 1 if something has failed. How each "
-           "part of a detached robot has ended is written, also if that was before.";
+           "part of a detached robot has ended is written, also if that was before. With --service, waits until a "
+           "session serves that; only then, --timeout and the options after it count.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros wait", "Waits for the only robot that runs."},
-            {"hgros wait patrol", "Waits for the robot of patrol.yaml."}};
+            {"hgros wait patrol", "Waits for the robot of patrol.yaml."},
+            {"hgros wait --service plan --timeout 10", "Waits for a server of plan, at most ten seconds."}};
   }
   int Run(Surroundings& surroundings) override {
+    if (!service_.empty()) return AwaitService(surroundings);
+    if (options_.timeout_s) throw UsageError("--timeout is only for --service: `hgros wait --service NAME`.");
     RobotRequest request;
     request.set_wait(true);
     const std::string robot = RobotNamed(robot_, true);
@@ -134,7 +144,19 @@ class WaitCommand final : public Command {
   }
 
  private:
+  [[nodiscard]] int AwaitService(Surroundings& surroundings) const {
+    if (!robot_.empty()) throw UsageError("Name a robot or --service, not both.");
+    RequireChannelName(service_);
+    Robot robot(options_, surroundings);
+    const auto served = [&] { return !ChannelNamed(robot, "hgros/call/" + service_).subscribers.empty(); };
+    if (AwaitChannels(robot, options_, "a server of " + service_, served, true)) return kDone;
+    if (surroundings.pause.signal() != 0) return kDone;
+    options_.GiveUp("No session serves " + service_ + ". `hgros list services` shows what is served.");
+  }
+
   std::string robot_;
+  std::string service_;
+  RobotOptions options_;
 };
 
 }  // namespace
