@@ -158,5 +158,27 @@ TEST(HgrosDelay, ShowsTheTransportAndTheQueueOfEachReceiver) {
   EXPECT_EQ(NumberIn(before[0], "received"), 0);
 }
 
+TEST(HgrosDelay, ShowsHowWellStampsMatch) {
+  RobotForCommands robot;
+  const auto left = robot.session().Advertise<Log>("left");
+  const auto right = robot.session().Advertise<Log>("right");
+  std::int64_t ticks = 0;
+  const NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(20), [&](const Tick&) {
+    Log log;
+    log.mutable_timestamp()->set_seconds(++ticks);
+    left(log);
+    log.mutable_timestamp()->set_nanos(3'000'000);
+    right(log);
+  });
+  const std::vector<std::string> lines =
+      LinesOf(OutputThat(robot, {"delay", "left", "right", "--match", "0.01", "--once", "--json"},
+                         [](const std::string& out) { return NumberIn(out, "matched") > 2; }));
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_THAT(lines[0], HasSubstr("\"channel\":\"left\""));
+  EXPECT_EQ(NumberIn(lines[0], "after_p50_ns"), 0);
+  EXPECT_EQ(NumberIn(lines[1], "after_p50_ns"), 3e6);
+  EXPECT_THAT(robot.Run({"delay", "left", "--match", "0.01"}), Ends(2, "hgros: --match needs two to nine channels.\n"));
+}
+
 }  // namespace
 }  // namespace hgros::cli

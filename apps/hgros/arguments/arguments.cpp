@@ -118,12 +118,14 @@ void Arguments::Option(std::string names, std::string value, std::vector<std::st
   });
 }
 
-void Arguments::Option(std::string names, std::string value, std::optional<double>& variable, std::string text) {
-  Add({std::move(names), std::move(value), std::move(text)}, [&variable](const std::vector<std::string>& given) {
+void Arguments::Option(std::string names, std::string value, std::optional<double>& variable, std::string text,
+                       bool also_zero) {
+  Add({std::move(names), std::move(value), std::move(text)}, [&variable,
+                                                              also_zero](const std::vector<std::string>& given) {
     char* end = nullptr;
     const double number = std::strtod(given.back().c_str(), &end);
-    if (given.back().empty() || *end != '\0' || !std::isfinite(number) || number <= 0) {
-      return Quoted(given.back()) + " is not a number above zero.";
+    if (given.back().empty() || *end != '\0' || !std::isfinite(number) || number < 0 || (number == 0 && !also_zero)) {
+      return Quoted(given.back()) + (also_zero ? " is not a number from zero on." : " is not a number above zero.");
     }
     variable = number;
     return std::string();

@@ -57,8 +57,9 @@ class Arguments {
               ValueKind kind = ValueKind::kText);
   void Option(std::string names, std::string value, std::vector<std::string>& variable, std::string text,
               ValueKind kind = ValueKind::kText);
-  /// A number above zero.
-  void Option(std::string names, std::string value, std::optional<double>& variable, std::string text);
+  /// A number above zero, or also zero.
+  void Option(std::string names, std::string value, std::optional<double>& variable, std::string text,
+              bool also_zero = false);
   void Option(std::string names, std::string value, std::optional<std::uint64_t>& variable, std::string text);
   /// --once and -n,--count: how many are shown. Empty: no limit.
   void Count(std::optional<std::uint64_t>& count, std::string once_text, std::string count_text);

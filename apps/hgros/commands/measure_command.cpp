@@ -49,6 +49,12 @@ int MeasureCommand::Run(Surroundings& surroundings) {
   return receive_ ? Receive(robot) : Count(robot);
 }
 
+int MeasureCommand::EachSecond(Robot& robot, const std::function<bool()>& report) const {
+  const auto start = steady_clock::now();
+  const auto end = start + robot_options_.Timeout(std::chrono::hours(24 * 365));
+  return EverySecond(robot.surroundings().pause, count_.value_or(0), start + kPeriod, end, report);
+}
+
 int MeasureCommand::Count(Robot& robot) {
   Console& console = robot.surroundings().console;
   Records records(console, robot_options_.style, CountedColumns());
@@ -85,10 +91,7 @@ int MeasureCommand::Receive(Robot& robot) const {
   std::vector<std::unique_ptr<Arrivals>> arrivals;
   for (const std::string& name : channels_) arrivals.push_back(std::make_unique<Arrivals>(robot, name));
   robot.SayUnpublished(channels_);
-  const auto start = steady_clock::now();
-  const auto end = start + robot_options_.Timeout(std::chrono::hours(24 * 365));
-  const std::uint64_t count = count_.value_or(0);
-  const int code = EverySecond(robot.surroundings().pause, count, start + kPeriod, end, [&] {
+  const int code = EachSecond(robot, [&] {
     bool any = false;
     for (const auto& channel : arrivals) {
       const Arrived arrived = channel->Report();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,11 +19,17 @@ namespace hgros::cli {
 /// with --receive from the messages that arrive here.
 class MeasureCommand : public Command {
  public:
-  void Declare(Arguments& arguments) final;
-  int Run(Surroundings& surroundings) final;
+  void Declare(Arguments& arguments) override;
+  int Run(Surroundings& surroundings) override;
 
  protected:
   [[nodiscard]] bool exact() const noexcept { return robot_options_.style.exact; }
+  [[nodiscard]] const std::vector<std::string>& channels() const noexcept { return channels_; }
+  [[nodiscard]] bool receives() const noexcept { return receive_; }
+  [[nodiscard]] const RobotOptions& robot_options() const noexcept { return robot_options_; }
+  /// From the next second on calls `report` once a second, which returns whether there was anything to show. Returns
+  /// the exit code.
+  [[nodiscard]] int EachSecond(Robot& robot, const std::function<bool()>& report) const;
 
   /// The columns of a report; the first is the channel.
   [[nodiscard]] virtual std::vector<Column> CountedColumns() const = 0;

@@ -14,7 +14,7 @@
 """
 
 from . import requirements  # First: it says why the next line may fail.
-from ._hgros import MessageInfo
+from ._hgros import MessageInfo, StampMatcher
 from .bulk import data, image, message, points
 from .component import Client, Context
 from .errors import ConfigError, Error, PublishError, QueueFull, SessionClosed, TypeMismatch
@@ -26,14 +26,15 @@ from .session import Session
 from .snapshot import ChannelSnapshot, ChannelTraffic, KnownChannel, NodeSnapshot, Peer, SessionSnapshot, Times
 from .stream import Messages
 from .subscription import Subscription
+from .synchronizer import Synchronizer
 from .timers import Rate, Tick, Timer
 from .transforms import TransformError, Transforms
 
 __all__ = ["Call", "CallError", "ChannelSnapshot", "ChannelTraffic", "Client", "ConfigError", "Context", "Error",
            "KeepAll", "KeepLast", "KnownChannel", "MessageInfo", "Messages", "NodeSnapshot", "ParamError",
            "Parameters", "Peer", "PublishError", "Publisher", "QueueFull", "Rate", "Service", "Session",
-           "SessionClosed", "SessionSnapshot", "Subscription", "Tick", "Timer", "Times", "TransformError",
-           "Transforms", "TypeMismatch", "data", "image", "leases", "message", "points"]
+           "SessionClosed", "SessionSnapshot", "StampMatcher", "Subscription", "Synchronizer", "Tick", "Timer", "Times",
+           "TransformError", "Transforms", "TypeMismatch", "data", "image", "leases", "message", "points"]
 
 
 def leases() -> tuple[int, int]:

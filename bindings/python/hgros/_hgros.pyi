@@ -135,6 +135,29 @@ class Session:
     def wait_for_service(self, name: str, timeout: float) -> bool: ...
     def now_ns(self) -> int: ...
 
+class MatchCounts:
+    """What has become of the messages of one channel. The rest waits."""
+
+    @property
+    def matched(self) -> int: ...
+    @property
+    def unmatched(self) -> int:
+        """Dropped: no set can have them, because another channel went past them."""
+    @property
+    def overflowed(self) -> int:
+        """Dropped: `depth` newer ones waited for another channel."""
+    @property
+    def late(self) -> int:
+        """Dropped: their stamps were at most a second before those of the messages before them."""
+
+class StampMatcher:
+    """Matches items of two to nine channels by their stamps (docs/synchronizing.md). `tolerance` is in seconds."""
+
+    def __init__(self, channels: int, tolerance: float = 0.0, depth: int = 16) -> None: ...
+    def push(self, channel: int, stamp_ns: int, item: object) -> tuple[Any, ...] | None:
+        """Adds an item of a channel, which counts from 0. Returns the items of the set that is complete with it."""
+    def counts(self, channel: int) -> MatchCounts: ...
+
 class Answer:
     def reply(self, data: bytes) -> None: ...
     def fail(self, reason: str) -> None: ...

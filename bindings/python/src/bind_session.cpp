@@ -1,13 +1,17 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bindings.hpp"
+#include "hgros/session/stamp_matcher.hpp"
 #include "program_line.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"
@@ -22,6 +26,37 @@ Config ConfigOf(const std::optional<std::string>& file, const std::optional<std:
     return Config::Load({&path, 1}, sections);
   }
   return text ? Config::Parse(*text, "text") : Config::OfEnvironment();
+}
+
+// All of it runs under the GIL, which the items need.
+using Matcher = StampMatcher<py::object>;
+
+std::unique_ptr<Matcher> MakeMatcher(std::size_t channels, double tolerance_s, std::size_t depth) {
+  const Duration tolerance = tolerance_s < 0 ? Duration(-1) : Nanoseconds(tolerance_s);
+  return std::make_unique<Matcher>(channels, MatchOptions{tolerance, depth});
+}
+
+py::object Push(Matcher& matcher, std::size_t channel, std::int64_t stamp_ns, py::object item) {
+  auto set = matcher.Push(channel, Time{stamp_ns}, std::move(item));
+  if (!set) return py::none();
+  py::tuple items(set->size());
+  for (std::size_t i = 0; i < set->size(); ++i) items[i] = (*set)[i].item;
+  return items;
+}
+
+void BindMatcher(py::module_& module) {
+  py::class_<MatchCounts>(module, "MatchCounts", "What has become of the messages of one channel. The rest waits.")
+      .def_readonly("matched", &MatchCounts::matched)
+      .def_readonly("unmatched", &MatchCounts::unmatched)
+      .def_readonly("overflowed", &MatchCounts::overflowed)
+      .def_readonly("late", &MatchCounts::late);
+  py::class_<Matcher>(module, "StampMatcher", "Matches items of two to nine channels by their stamps.")
+      .def(py::init(&MakeMatcher), py::arg("channels"), py::arg("tolerance") = 0.0, py::arg("depth") = 16)
+      .def("push", &Push, py::arg("channel"), py::arg("stamp_ns"), py::arg("item"),
+           "Adds an item of a channel, which counts from 0. Returns the items of the set that is complete with it.")
+      .def(
+          "counts", [](const Matcher& matcher, std::size_t channel) { return matcher.counts(channel); },
+          py::arg("channel"));
 }
 
 void BindSubscription(py::module_& module) {
@@ -45,6 +80,7 @@ Queue QueueOf(bool lossless, std::size_t depth, std::size_t limit_bytes) {
 
 void BindSession(py::module_& module) {
   BindSubscription(module);
+  BindMatcher(module);
   py::class_<SessionHandle, std::shared_ptr<SessionHandle>>(module, "Session", "A session of C++.")
       .def(py::init([](const std::optional<std::string>& file, const std::optional<std::string>& text,
                        const std::vector<std::string>& sections, const std::string& name,
