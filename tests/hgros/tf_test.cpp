@@ -11,6 +11,7 @@
 
 #include "hgros/command_run.hpp"
 #include "hgros/help_examples.hpp"
+#include "hgros/launch/robot_folder.hpp"
 #include "hgros/session/clock_publisher.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "support/scratch_folder.hpp"
@@ -163,6 +164,25 @@ TEST_F(HgrosTf, WatchSaysOnceWhatIsLateAndWhatHasEnded) {
   watch.Signal(SIGINT);
   EXPECT_EQ(watch.Wait(), 128 + SIGINT);
   EXPECT_EQ(watch.out().find("world"), std::string::npos);
+}
+
+TEST(HgrosTfAlone, ACommandAndAComponentSendAStaticTransform) {
+  const RunningRobot robot(
+      "components: {mount: {type: hgros/StaticTransform, params: {parent: base, child: mast, z: 1, yaw: -0.5}}}\n",
+      test::Path("slam2d_manifests"));
+  const auto environment = robot.environment();
+  CommandRun sends({"tf", "static", "mast", "camera", "-0.2", "0", "0.1", "0.5", "0", "1e-3"}, environment);
+  EXPECT_TRUE(test::Await([&] {
+    const CommandEnd end = RunToEnd(Patiently({"tf", "echo", "base", "camera", "--once"}), environment);
+    return end.out.find("z: 1.1000}\n") != std::string::npos &&
+           end.out.find("rpy_degrees: {roll: 0.06, pitch: 0.00, yaw: 0.00}") != std::string::npos;
+  })) << sends.err()
+      << robot.out() << robot.err();
+  sends.Signal(SIGINT);
+  EXPECT_EQ(sends.Wait(), 128 + SIGINT);
+  EXPECT_THAT(RunToEnd({"tf", "static", "a", "b", "0", "0", "high", "0", "0", "0"}, environment),
+              Ends(2, "hgros: Z: \"high\" is not a number.\n"));
+  EXPECT_EQ(RunToEnd({"tf", "static", "a", "a", "0", "0", "0", "0", "0", "0"}, environment).status, 1);
 }
 
 TEST(HgrosTfAlone, EndsAtOnceWhenNothingSendsTransforms) {

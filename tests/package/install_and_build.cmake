@@ -10,9 +10,9 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --strip)
 
-# Components of tests and examples are not part of it, only the finder of those in Python.
+# Components of tests and examples are not part of it, only its own and the finder of those in Python.
 file(GLOB_RECURSE manifests ${prefix}/share/hgros/components/*)
-list(REMOVE_ITEM manifests ${prefix}/share/hgros/components/python.yaml)
+list(REMOVE_ITEM manifests ${prefix}/share/hgros/components/hgros.yaml ${prefix}/share/hgros/components/python.yaml)
 if(manifests)
   message(FATAL_ERROR "Components were installed with the library: ${manifests}")
 endif()

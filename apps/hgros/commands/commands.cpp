@@ -34,11 +34,12 @@ constexpr std::array kCommands{
     CommandEntry{"schema", "Show the fields of a type", kSee, MakeSchema},
     CommandEntry{"graph", "Draw the hypergraph: processes, nodes and their channels", kSee, MakeGraph},
     CommandEntry{"top", "Show what sessions, nodes and channels do now, once a second", kSee, MakeTop},
-    CommandEntry{"tf", "Show the frames of a robot and their transforms", kSee, nullptr},
+    CommandEntry{"tf", "Show and send the transforms between frames", kSee, nullptr},
     CommandEntry{"tf tree", "Show the tree of all frames", kSee, MakeTfTree},
     CommandEntry{"tf echo", "Show the pose of one frame in another", kSee, MakeTfEcho},
     CommandEntry{"tf watch", "Say when transforms appear, are late or disappear", kSee, MakeTfWatch},
     CommandEntry{"tf svg", "Draw the tree of frames as an image", kSee, MakeTfSvg},
+    CommandEntry{"tf static", "Send the pose of a frame that never changes", kSee, MakeTfStatic},
 
     CommandEntry{"doctor", "Say what is wrong, or soon will be, and how to fix it", kCheck, MakeDoctor},
     CommandEntry{"check", "Check configuration files before anything runs", kCheck, MakeCheck},

@@ -61,6 +61,7 @@ std::unique_ptr<Command> MakeRun();
 std::unique_ptr<Command> MakeSchema();
 std::unique_ptr<Command> MakeStop();
 std::unique_ptr<Command> MakeTfEcho();
+std::unique_ptr<Command> MakeTfStatic();
 std::unique_ptr<Command> MakeTfSvg();
 std::unique_ptr<Command> MakeTfTree();
 std::unique_ptr<Command> MakeTfWatch();

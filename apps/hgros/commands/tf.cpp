@@ -1,14 +1,17 @@
-// The commands that show transforms: tree, echo and svg.
+// The commands for transforms: tree, echo, svg and static.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "commands/commands.hpp"
+#include "hgros/tf/transforms.hpp"
 #include "hgros/tf/tree_drawing.hpp"
 #include "messages/known_types.hpp"
 #include "robot/frames.hpp"
@@ -110,6 +113,58 @@ class TfEcho final : public Command {
   std::string at_;
   RobotOptions options_;
 };
+
+class TfStatic final : public Command {
+ public:
+  void Declare(Arguments& arguments) override {
+    arguments.Positional({"A", "", "The frame in which the pose is given, such as base", ValueKind::kFrame, {}, true},
+                         parent_);
+    arguments.Positional({"B", "", "The frame whose pose it is, such as laser", ValueKind::kFrame, {}, true}, child_);
+    for (std::size_t i = 0; i < kNumbers.size(); ++i) {
+      const char* const text = i < 3 ? "Position of B in A, in meters" : "Rotation of B in A, in radians";
+      arguments.Positional({kNumbers[i], "", text, ValueKind::kText, {}, true}, numbers_[i]);
+    }
+    options_.Declare(arguments);
+  }
+  [[nodiscard]] std::string Description() const override {
+    return "Sends the pose of frame B in frame A, which never changes, until Ctrl-C or --timeout. It rotates about z "
+           "by YAW, then about the new y by PITCH, then about the new x by ROLL. In a robot file, the component "
+           "hgros/StaticTransform does the same.";
+  }
+  [[nodiscard]] std::vector<Example> Examples() const override {
+    return {{"hgros tf static base laser 0.2 0 0.3 0 0 0", "The laser is 20 cm in front of base and 30 cm above it."},
+            {"hgros tf static base camera 0 0 1 1.5708 0 0", "The camera looks to the left."}};
+  }
+  int Run(Surroundings& surroundings) override;
+
+ private:
+  static constexpr std::array kNumbers{"X", "Y", "Z", "YAW", "PITCH", "ROLL"};
+
+  std::string parent_;
+  std::string child_;
+  std::array<std::string, kNumbers.size()> numbers_;
+  RobotOptions options_;
+};
+
+int TfStatic::Run(Surroundings& surroundings) {
+  std::array<double, kNumbers.size()> pose{};
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    char* end = nullptr;
+    pose[i] = std::strtod(numbers_[i].c_str(), &end);
+    if (numbers_[i].empty() || *end != '\0') {
+      throw UsageError(std::string(kNumbers[i]) + ": \"" + numbers_[i] + "\" is not a number.");
+    }
+  }
+  options_.sends = true;
+  Robot robot(options_, surroundings);
+  Transforms transforms(robot.session());
+  const SetResult set = transforms.ToStaticTF(
+      parent_, child_, RigidTransform::FromYawPitchRoll({pose[0], pose[1], pose[2]}, pose[3], pose[4], pose[5]));
+  if (!set) throw Error(set.text());
+  surroundings.console.Say("The pose of " + Visible(child_) + " in " + Visible(parent_) + " is there until this ends.");
+  const auto end = DeadlineIn(options_.Timeout(std::chrono::nanoseconds::max()));
+  return surroundings.pause.SleepUntil(end) ? kTimedOut : kDone;
+}
 
 std::optional<Time> TfEcho::WantedTime() const {
   if (at_.empty()) return std::nullopt;
@@ -230,6 +285,7 @@ int TfEcho::Run(Surroundings& surroundings) {
 }  // namespace
 
 std::unique_ptr<Command> MakeTfEcho() { return std::make_unique<TfEcho>(); }
+std::unique_ptr<Command> MakeTfStatic() { return std::make_unique<TfStatic>(); }
 std::unique_ptr<Command> MakeTfSvg() { return std::make_unique<TfSvg>(); }
 std::unique_ptr<Command> MakeTfTree() { return std::make_unique<TfTree>(); }
 

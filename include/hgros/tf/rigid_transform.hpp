@@ -18,6 +18,15 @@ struct RigidTransform {
   RigidTransform(const Rotation& turn, const Eigen::Vector3d& shift) : rotation(turn), translation(shift) {}
   explicit RigidTransform(const Eigen::Isometry3d& isometry)
       : rotation(isometry.linear()), translation(isometry.translation()) {}
+  /// A rotation about z by `yaw`, then about the new y by `pitch`, then about the new x by `roll`. In radians.
+  [[nodiscard]] static RigidTransform FromYawPitchRoll(const Eigen::Vector3d& shift, double yaw, double pitch,
+                                                       double roll) {
+    using Eigen::AngleAxisd;
+    using Eigen::Vector3d;
+    return {Rotation(AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) *
+                     AngleAxisd(roll, Vector3d::UnitX())),
+            shift};
+  }
 
   [[nodiscard]] RigidTransform Inverse() const {
     const Rotation back = rotation.conjugate();

@@ -82,7 +82,8 @@ inline std::size_t Times(const std::string& text, const std::string& part) {
 /// A robot that `hgros run` runs. It is ended by SIGINT with this object, unless it has ended before.
 class RunningRobot : public RobotFolder, public CommandRun {
  public:
-  explicit RunningRobot(const std::string& text) : RobotFolder(text), CommandRun(Arguments(), environment()) {}
+  explicit RunningRobot(const std::string& text, const std::string& manifests = test::Path("words_manifests"))
+      : RobotFolder(text, manifests), CommandRun(Arguments(), environment()) {}
   ~RunningRobot() {
     if (!waited_) End();
   }
