@@ -3,6 +3,7 @@
 import asyncio
 import signal
 
+import numpy as np
 from support import DEADLINE_S, RobotTest, main, wait_until
 
 import hgros
@@ -71,6 +72,27 @@ class Asyncio(RobotTest):
             return await asyncio.wait_for(asyncio.gather(*waits), DEADLINE_S)
 
         self.assertEqual([reply.x for reply in asyncio.run(ask())], [4, 4, 4])
+
+    def test_transform_is_awaited_until_it_comes_its_time_is_up_or_the_session_closes(self):
+        robot, other = self.session(), self.session()
+        pose = np.eye(4)
+        pose[0, 3] = 2
+
+        async def run():
+            lookup = asyncio.ensure_future(robot.transforms.lookup_async("map", "base", timeout=DEADLINE_S))
+            await asyncio.sleep(0)  # It waits now.
+            other.transforms.send_static("map", "base", pose)
+            np.testing.assert_allclose(await lookup, pose)
+            np.testing.assert_allclose(await robot.transforms.lookup_async("map", "base"), pose)
+            with self.assertRaisesRegex(hgros.TransformError, "nowhere"):
+                await robot.transforms.lookup_async("map", "nowhere", timeout=0.01)
+            lookup = asyncio.ensure_future(robot.transforms.lookup_async("map", "nowhere"))
+            await asyncio.sleep(0)
+            robot.close()
+            with self.assertRaisesRegex(hgros.Error, "closed"):
+                await lookup
+
+        asyncio.run(run())
 
     def test_cancelled_loop_can_be_continued(self):
         robot = self.session()

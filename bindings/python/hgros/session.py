@@ -138,7 +138,7 @@ class Session:
                     steps.callback(service.end)  # After the callback that runs: it may be about to reply.
                 steps.callback(self._join, longest_wait_s)
                 if self._transforms is not None:
-                    steps.callback(self._transforms._raw.end)
+                    steps.callback(self._transforms._end)
                 if self._params is not None:
                     steps.callback(self._params._raw.end)
                 for part in [*self._streams, *(one for one in handlers if not isinstance(one, Service))]:
@@ -148,7 +148,7 @@ class Session:
             self._closes.release()
 
     def _join(self, longest_wait_s: float | None) -> None:
-        # After everything has ended for which a callback may wait.
+        # After everything but services has ended for which a callback may wait.
         with self._lock:
             thread = self._thread
         if thread is None or thread is threading.current_thread():

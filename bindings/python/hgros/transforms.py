@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from . import _hgros
 from .arguments import check_seconds
 from .errors import Error
+from .stream import until_woken
 
 if TYPE_CHECKING:
     import numpy as np
@@ -60,6 +61,7 @@ class Transforms:
 
     def __init__(self, raw: _hgros.Transforms) -> None:
         self._raw = raw
+        self._waits: set[_hgros.ReadyList] = set()
 
     def lookup(self, target: str, source: str, stamp: Any = None, *, timeout: float = 0.0) -> npt.NDArray[np.float64]:
         """The transform at a time, interpolated, or the latest one without a stamp.
@@ -78,6 +80,29 @@ class Transforms:
         if rows is None:
             raise TransformError(fault, text)
         return np.array(rows).reshape(4, 4), at
+
+    async def lookup_async(self, target: str, source: str, stamp: Any = None, *,
+                           timeout: float | None = None) -> npt.NDArray[np.float64]:
+        """As `lookup` in asyncio: other tasks run while it waits. Without `timeout` it waits until the session closes.
+
+        Give it a timeout in a callback of a component, which could not end meanwhile.
+        """
+        import asyncio
+
+        if timeout is not None:
+            check_seconds(timeout, "timeout")
+        ready = _hgros.ReadyList()
+        self._waits.add(ready)
+        pending: _hgros.PendingTransform | None = None
+        try:
+            pending = self._raw.when_available(target, source, _ns(stamp), ready)
+            await asyncio.wait_for(until_woken(ready), timeout)
+        except asyncio.TimeoutError:
+            pass  # The lookup has the reason.
+        finally:
+            pending = None
+            self._waits.discard(ready)
+        return self.lookup(target, source, stamp)
 
     def send(self, parent: str, child: str, transform: npt.ArrayLike, stamp: Any) -> None:
         """Sets and sends the pose of `child` in `parent` at a time. Raises TransformError if it is refused."""
@@ -120,3 +145,8 @@ class Transforms:
     def flush(self) -> None:
         """Sends transforms that wait to be sent together now."""
         self._raw.flush()
+
+    def _end(self) -> None:
+        self._raw.end()
+        for ready in list(self._waits):
+            ready.end()

@@ -13,6 +13,7 @@
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "hosted/context_handle.hpp"
+#include "ready_list.hpp"
 #include "session_handle.hpp"
 #include "waits.hpp"
 
@@ -99,14 +100,35 @@ TransformResult Find(const TransformsHandle& handle, const std::string& target, 
   return stamp_ns ? used->FromTF(target, source, Time{*stamp_ns}) : used->FromTF(target, source);
 }
 
+TransformQuery QueryOf(TransformTree& tree, const std::string& target, const std::string& source,
+                       std::optional<std::int64_t> stamp_ns) {
+  TransformQuery query(tree.Frame(target), tree.Frame(source));
+  if (stamp_ns) query.source_time = Time{*stamp_ns};
+  return query;
+}
+
+// Keeps a wait for a transform.
+struct PendingHandle : public OfProcess {
+  explicit PendingHandle(PendingTransform wait) : pending(std::move(wait)) {}
+  PendingTransform pending;
+};
+
+// `ready` gets a key when the transform is there, or can no longer come.
+Owned<PendingHandle> WhenAvailable(const TransformsHandle& handle, const std::string& target, const std::string& source,
+                                   std::optional<std::int64_t> stamp_ns, const std::shared_ptr<ReadyList>& ready) {
+  const Used used = handle.used();
+  TransformTree& tree = used->tree();
+  return MakeOwned<PendingHandle>(
+      tree.WhenAvailable(QueryOf(tree, target, source, stamp_ns), [ready](const TransformResult&) { ready->Add(0); }));
+}
+
 // Between two parts of a wait nothing is kept, so the session can close.
 TransformResult WaitPart(const TransformsHandle& handle, const std::string& target, const std::string& source,
                          std::optional<std::int64_t> stamp_ns, Clock::time_point deadline) {
   const GilRelease released;
   const Used used = handle.used();
   TransformTree& tree = used->tree();
-  TransformQuery query(tree.Frame(target), tree.Frame(source));
-  if (stamp_ns) query.source_time = Time{*stamp_ns};
+  const TransformQuery query = QueryOf(tree, target, source, stamp_ns);
   const auto left = std::chrono::duration_cast<Duration>(deadline - Clock::now());
   return tree.Wait(query, std::clamp<Duration>(left, Duration(0), kSignalsEvery));
 }
@@ -134,6 +156,8 @@ std::string Send(const TransformsHandle& handle, const std::string& parent, cons
 }  // namespace
 
 void BindTransforms(py::module_& module) {
+  const py::class_<PendingHandle, Owned<PendingHandle>> pending(module, "PendingTransform",
+                                                                "Keeps a wait for a transform.");
   py::class_<TransformsHandle, Owned<TransformsHandle>>(module, "Transforms", "The transforms of a session.")
       .def(py::init([](const SessionHandle& session) {
              const GilRelease released;
@@ -146,6 +170,8 @@ void BindTransforms(py::module_& module) {
            }),
            py::arg("context"))
       .def("lookup", &Lookup, py::arg("target"), py::arg("source"), py::arg("stamp_ns"), py::arg("timeout"))
+      .def("when_available", &WhenAvailable, Released(), py::arg("target"), py::arg("source"), py::arg("stamp_ns"),
+           py::arg("ready"))
       .def("end", &TransformsHandle::End, Released())
       .def("send", &Send, Released(), py::arg("parent"), py::arg("child"), py::arg("pose"), py::arg("stamp_ns"))
       .def(
