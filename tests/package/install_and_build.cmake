@@ -64,6 +64,22 @@ foreach(folder IN ITEMS ${build}/share/hgros/components ${robot}/share/hgros/com
   endif()
 endforeach()
 
+# What `hgros new` writes builds, and its robot runs.
+set(new ${SCRATCH}/arm_driver)
+run(${CMAKE_COMMAND} -E chdir ${SCRATCH} ${prefix}/bin/hgros new arm_driver)
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${new} -B ${new}/build -D CMAKE_CXX_COMPILER=${COMPILER}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+run(${CMAKE_COMMAND} --build ${new}/build)
+run(${new}/build/limiter_test)
+string(MD5 domain ${SCRATCH})
+set(ENV{HGROS_DOMAIN} ${domain})
+set(ENV{XDG_STATE_HOME} ${SCRATCH}/state)
+run(${CMAKE_COMMAND} -E env HGROS_COMPONENT_PATH=${new}/build/share/hgros/components
+    ${prefix}/bin/hgros run ${new}/robot.yaml --detach)
+run(${prefix}/bin/hgros stop)
+unset(ENV{HGROS_DOMAIN})
+unset(ENV{XDG_STATE_HOME})
+
 # The Python package is found where it is installed, and finds the library there.
 file(GLOB python_packages ${prefix}/lib/python*/dist-packages)
 if(python_packages)

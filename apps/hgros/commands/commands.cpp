@@ -64,6 +64,7 @@ constexpr std::array kCommands{
     CommandEntry{"control log", "Set the level of the log", kSteer, MakeControlLog},
     CommandEntry{"control stop", "End programs", kSteer, MakeControlStop},
 
+    CommandEntry{"new", "Write a package with a component that builds", kRun, MakeNew},
     CommandEntry{"run", "Start a robot: the components and programs of a robot file", kRun, MakeRun},
     CommandEntry{"ps", "List the components and programs of running robots", kRun, MakePs},
     CommandEntry{"logs", "Show the log of a running robot", kRun, MakeLogs},

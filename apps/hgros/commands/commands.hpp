@@ -45,6 +45,7 @@ std::unique_ptr<Command> MakeInfo();
 std::unique_ptr<Command> MakeList();
 std::unique_ptr<Command> MakeLogs();
 std::unique_ptr<Command> MakeManual();
+std::unique_ptr<Command> MakeNew();
 std::unique_ptr<Command> MakeParamDescribe();
 std::unique_ptr<Command> MakeParamGet();
 std::unique_ptr<Command> MakeParamList();

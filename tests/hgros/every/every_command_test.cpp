@@ -48,7 +48,8 @@ constexpr const char* kRuns =
     "param describe robot speed; param watch robot; param set robot speed 2; param save robot; "
     "param load robot /dev/null; control close status; control open status; control forbid other; "
     "control allow other; control log info; control stop --session nobody; check /dev/null; check --schema; "
-    "check --schema --robot-file; run /dev/null; ps; logs; restart mapper; move mapper --to front; stop; wait; "
+    "check --schema --robot-file; new /dev/null; run /dev/null; ps; logs; restart mapper; move mapper --to front; "
+    "stop; wait; "
     "wait --service ask; "
     "export systemd robot.yaml; export compose robot.yaml; export kubernetes robot.yaml; components; help list; "
     "completion bash; __complete -- echo ''; __complete -- param get ''; __man; __hosted";
