@@ -6,7 +6,10 @@
 
 #include "foxglove/Log.pb.h"
 #include "foxglove/PointCloud.pb.h"
+#include "hgros/BatteryState.pb.h"
+#include "hgros/Diagnostics.pb.h"
 #include "hgros/Imu.pb.h"
+#include "hgros/Twist.pb.h"
 #include "hgros/codec/message.hpp"
 #include "hgros/codec/protobuf_log.hpp"
 
@@ -66,6 +69,19 @@ TEST(ProtobufCodec, HasNameAndSchema) {
   EXPECT_EQ(info.descriptor(), Imu::descriptor());
   EXPECT_EQ(info.fingerprint, SchemaFingerprint(*Imu::descriptor()));
   EXPECT_EQ(info.descriptor_set(), DescriptorSet(*Imu::descriptor()));
+}
+
+TEST(ProtobufCodec, KnowsVelocitiesBatteriesAndDiagnostics) {
+  EXPECT_EQ(TypeOf<Twist>().name, "hgros.Twist");
+  const TypeInfo& batteries = TypeOf<BatteryState>();
+  auto battery = std::make_shared<BatteryState>();
+  battery->set_current(0);
+  const auto read = std::static_pointer_cast<const BatteryState>(batteries.decode(batteries.encode(battery)));
+  ASSERT_NE(read, nullptr);
+  EXPECT_TRUE(read->has_current());
+  EXPECT_FALSE(read->has_voltage()) << "unknown, not 0";
+  EXPECT_EQ(TypeOf<Diagnostics>().name, "hgros.Diagnostics");
+  EXPECT_EQ(Diagnostics::STALE, 3);
 }
 
 int said = 0;
