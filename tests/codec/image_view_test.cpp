@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <random>
 
@@ -72,6 +73,9 @@ TEST(ImageView, ReportsInvalidImages) {
               HasSubstr("2 pixels of 3 bytes is longer than its step, 5 bytes"));
   EXPECT_THAT(ViewOf(Image(3, 3, 4, "mono8", "12345678")).fault(),
               HasSubstr("8 bytes are too few for 3 rows of 4 bytes"));
+  EXPECT_THAT(ViewOf(Image(2, 2, 2, "nv12", "12345")).fault(),
+              HasSubstr("2 rows of 2 bytes and half as many of chroma"));
+  EXPECT_FALSE(ViewOf(Image(3, 1, 3, "nv12", "123456"))) << "a row of chroma has whole pairs";
   const RawImage gray = Image(1, 1, 1, "mono8", "x");
   EXPECT_THAT(ViewImage(gray)->SamplesAs<float>().fault(), HasSubstr("\"mono8\" are std::uint8_t, not float"));
 }
@@ -90,13 +94,16 @@ TEST(ImageView, RefusesHugeNumbers) {
 TEST(ImageView, NeverReadsOutsideItsBytes) {
   std::mt19937 random(test::Seed());
   const auto any = [&random](std::uint32_t most) { return static_cast<std::uint32_t>(random()) % (most + 1); };
+  const std::array encodings{"32FC1", "rgb8", "nv12"};
   for (int round = 0; round < 20'000; ++round) {
     const RawImage message =
-        Image(any(6), any(6), any(24), round % 2 == 0 ? "32FC1" : "rgb8", std::string(any(80), 'x'));
+        Image(any(6), any(6), any(24), encodings[static_cast<std::size_t>(round) % 3], std::string(any(80), 'x'));
     const auto image = ViewImage(message);
     if (!image) continue;
     for (std::size_t y = 0; y < image->height(); ++y) {
       for (const std::byte byte : image->Row(y)) ASSERT_EQ(byte, std::byte{'x'});
+      if (image->encoding() != "nv12") continue;
+      for (const std::byte byte : image->ChromaRow(y)) ASSERT_EQ(byte, std::byte{'x'});
     }
   }
 }

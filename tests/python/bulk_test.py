@@ -166,6 +166,13 @@ class Bulk(RobotTest):
         np.testing.assert_array_equal(pixels, rows[:, :9].reshape(4, 3, 3))
         depth = RawImage(width=2, height=1, step=4, encoding="16UC1", data=b"\x01\x00\x00\x01")
         self.assertEqual(hgros.image(depth).tolist(), [[1, 256]])
+        deep = RawImage(width=1, height=1, step=6, encoding="rgb16", data=b"\x01\x00\x00\x01\x02\x00")
+        self.assertEqual(hgros.image(deep).tolist(), [[[1, 256, 2]]])
+        video = RawImage(width=2, height=2, step=2, encoding="nv12", data=b"123456")
+        self.assertEqual(hgros.image(video).tobytes(), b"123456")
+        self.assertEqual(hgros.image(video).shape, (3, 2))
+        bayer = RawImage(width=1, height=1, step=2, encoding="bayer_gbrg16", data=b"\x00\x01")
+        self.assertEqual(hgros.image(bayer).tolist(), [[256]])
         for encoding, step, text in (("h264", 12, 'encoding "h264" of the image is unknown'),
                                      ("rgb8", 13, "fewer than 4 rows"), ("rgb8", 8, "more than its step")):
             image.encoding, image.step = encoding, step

@@ -270,13 +270,16 @@ _ENCODINGS: dict[str, tuple[str, int]] = {
     "rgb8": ("u1", 3), "bgr8": ("u1", 3), "rgba8": ("u1", 4), "bgra8": ("u1", 4), "yuyv": ("u1", 2), "yuv422": ("u1", 2),
     "uyvy": ("u1", 2), "yuv422_yuy2": ("u1", 2),
     "bayer_rggb8": ("u1", 1), "bayer_bggr8": ("u1", 1), "bayer_gbrg8": ("u1", 1), "bayer_grbg8": ("u1", 1),
+    "bayer_rggb16": ("<u2", 1), "bayer_bggr16": ("<u2", 1), "bayer_gbrg16": ("<u2", 1), "bayer_grbg16": ("<u2", 1),
+    "rgb16": ("<u2", 3), "nv12": ("u1", 1),
 }
 
 
 def image(raw: Any) -> np.ndarray[Any, Any]:
     """The pixels of a foxglove.RawImage as an array over its bytes: rows, columns and, if there are several, samples.
 
-    It may be kept, as that of `points`. Raises Error if the encoding is unknown or the bytes do not fit.
+    Of nv12, the rows of brightness are followed by half as many of color (U and V in turns), as OpenCV has it. It may be
+    kept, as that of `points`. Raises Error if the encoding is unknown or the bytes do not fit.
     """
     import numpy as np
 
@@ -286,6 +289,10 @@ def image(raw: Any) -> np.ndarray[Any, Any]:
     format_, samples = _ENCODINGS[raw.encoding]
     item = np.dtype(format_).itemsize
     width, height, step = raw.width, raw.height, raw.step
+    if raw.encoding == "nv12":
+        if width % 2:
+            raise Error(f"An nv12 image has an even width, not {width}: U and V belong to two pixels.")
+        height += (height + 1) // 2
     view = data(raw)
     if step < width * samples * item:
         raise Error(f"A row of the image has {width * samples * item} bytes, more than its step of {step}.")

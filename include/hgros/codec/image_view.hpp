@@ -26,18 +26,22 @@ class HGROS_EXPORT ImageView {
     std::uint64_t step_bytes = 0;
     std::string encoding;  ///< "mono8", "rgb8", "16UC1", "32FC1" ...: the open foxglove names.
   };
-  /// Errors: an unknown encoding, rows longer than the step, fewer bytes than step times height.
+  /// Errors: an unknown encoding, rows longer than the step, fewer bytes than step times height (nv12: 3/2 of it).
   [[nodiscard]] static ViewResult<ImageView> Of(Bytes data, Shape shape);
 
   [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(shape_.width); }
   [[nodiscard]] std::size_t height() const noexcept { return static_cast<std::size_t>(shape_.height); }
   [[nodiscard]] std::size_t step_bytes() const noexcept { return static_cast<std::size_t>(shape_.step_bytes); }
   [[nodiscard]] const std::string& encoding() const noexcept { return shape_.encoding; }
-  /// Samples per pixel: 1 for gray and Bayer images, 2 for yuyv, 3 for rgb8, 4 for rgba8.
+  /// Samples per pixel: 1 for gray and Bayer images and nv12, 2 for yuyv, 3 for rgb8, 4 for rgba8.
   [[nodiscard]] std::size_t channels() const noexcept { return channels_; }
 
   /// The pixels of row `y` (below height()) without padding: width() times the bytes of a pixel.
   [[nodiscard]] Bytes Row(std::size_t y) const noexcept { return data_.subspan(y * step_bytes(), row_bytes_); }
+  /// Only of nv12, whose Row() has brightness: U and V of each two pixels of row `y`. Two rows share one of these.
+  [[nodiscard]] Bytes ChromaRow(std::size_t y) const noexcept {
+    return data_.subspan((height() + y / 2) * step_bytes(), width() + width() % 2);
+  }
 
   /// The samples of the rows as numbers of type T, which must be the encoding's type.
   template <class T>

@@ -5,14 +5,16 @@
 namespace hgros::viewer {
 
 std::optional<BayerPattern> BayerPatternOf(std::string_view encoding) {
-  if (encoding == "bayer_rggb8") return BayerPattern{0, 1, 1, 2};
-  if (encoding == "bayer_bggr8") return BayerPattern{2, 1, 1, 0};
-  if (encoding == "bayer_gbrg8") return BayerPattern{1, 2, 0, 1};
-  if (encoding == "bayer_grbg8") return BayerPattern{1, 0, 2, 1};
+  const std::string_view order = encoding.substr(0, encoding.find_last_not_of("0123456789") + 1);
+  if (order == "bayer_rggb") return BayerPattern{0, 1, 1, 2};
+  if (order == "bayer_bggr") return BayerPattern{2, 1, 1, 0};
+  if (order == "bayer_gbrg") return BayerPattern{1, 2, 0, 1};
+  if (order == "bayer_grbg") return BayerPattern{1, 0, 2, 1};
   return std::nullopt;
 }
 
 void PaintBayer(const ImageView& view, const BayerPattern& pattern, std::vector<std::uint8_t>& rgba) {
+  const std::size_t sample_bytes = view.Row(0).size() / view.width();  // The last byte of a sample is the upper one.
   const auto part_at = [&](std::size_t x, std::size_t y) { return pattern[(y % 2) * 2 + x % 2]; };
   std::uint8_t* out = rgba.data();
   for (std::size_t y = 0; y < view.height(); ++y) {
@@ -26,7 +28,7 @@ void PaintBayer(const ImageView& view, const BayerPattern& pattern, std::vector<
           const std::uint8_t part = part_at(i, j);
           // A pixel's own color channel is what it has measured.
           if (part == part_at(x, y) && (i != x || j != y)) continue;
-          sum[part] += row[i];
+          sum[part] += row[(i + 1) * sample_bytes - 1];
           ++count[part];
         }
       }

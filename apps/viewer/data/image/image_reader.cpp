@@ -17,16 +17,18 @@ namespace {
 
 constexpr std::size_t kMaxImagePixels = 256UL << 20;
 
-// Offsets of the colors in a pixel. Alpha is ignored: many cameras leave it 0.
+// Offsets of the colors in a pixel, in bytes. Of samples with two bytes, the upper ones are shown. Alpha is ignored:
+// many cameras leave it 0.
 struct Parts {
   std::size_t red, green, blue;
 };
 
 void PaintParts(const ImageView& view, const Parts& parts, std::vector<std::uint8_t>& rgba) {
   std::uint8_t* out = rgba.data();
+  const std::size_t pixel_bytes = view.Row(0).size() / view.width();
   for (std::size_t y = 0; y < view.height(); ++y) {
     const auto* in = reinterpret_cast<const std::uint8_t*>(view.Row(y).data());
-    for (std::size_t x = 0; x < view.width(); ++x, in += view.channels(), out += 4) {
+    for (std::size_t x = 0; x < view.width(); ++x, in += pixel_bytes, out += 4) {
       out[0] = in[parts.red];
       out[1] = in[parts.green];
       out[2] = in[parts.blue];
@@ -104,12 +106,16 @@ bool Paint(const ImageView& view, const DepthColors& colors, ImagePicture& pictu
   rgba.resize(4 * pixels);
   if (encoding == "rgb8" || encoding == "8UC3" || encoding == "rgba8") {
     PaintParts(view, {0, 1, 2}, rgba);
+  } else if (encoding == "rgb16") {
+    PaintParts(view, {1, 3, 5}, rgba);
   } else if (encoding == "bgr8" || encoding == "bgra8") {
     PaintParts(view, {2, 1, 0}, rgba);
   } else if (encoding == "yuyv" || encoding == "yuv422_yuy2") {
     PaintYuv422(view, YuvOrder::kYuyv, rgba);
   } else if (encoding == "uyvy" || encoding == "yuv422") {
     PaintYuv422(view, YuvOrder::kUyvy, rgba);
+  } else if (encoding == "nv12") {
+    PaintNv12(view, rgba);
   } else if (const auto pattern = BayerPatternOf(encoding)) {
     PaintBayer(view, *pattern, rgba);
   } else {

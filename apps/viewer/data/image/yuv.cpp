@@ -34,4 +34,15 @@ void PaintYuv422(const ImageView& view, YuvOrder order, std::vector<std::uint8_t
   }
 }
 
+void PaintNv12(const ImageView& view, std::vector<std::uint8_t>& rgba) {
+  std::uint8_t* out = rgba.data();
+  for (std::size_t y = 0; y < view.height(); ++y) {
+    const auto* luma = reinterpret_cast<const std::uint8_t*>(view.Row(y).data());
+    const auto* chroma = reinterpret_cast<const std::uint8_t*>(view.ChromaRow(y).data());
+    for (std::size_t x = 0; x < view.width(); ++x, out += 4) {
+      PaintPixel(luma[x], chroma[x - x % 2], chroma[x - x % 2 + 1], out);
+    }
+  }
+}
+
 }  // namespace hgros::viewer

@@ -51,6 +51,7 @@ TEST(ImageReader, ReadsEveryPixelFormat) {
   EXPECT_EQ(Pixel(Shown(Raw("bgra8", 1, 1, 4, "\1\2\3\4")), 0, 0), (Bytes4{3, 2, 1, 255}));
   EXPECT_EQ(Pixel(Shown(Raw("bgra8", 1, 1, 4, std::string("\1\2\3\0", 4))), 0, 0), (Bytes4{3, 2, 1, 255}))
       << "many cameras leave alpha 0";
+  EXPECT_EQ(Pixel(Shown(Raw("rgb16", 2, 1, 12, ".1.2.3.4.5.6")), 1, 0), (Bytes4{'4', '5', '6', 255}));
   EXPECT_EQ(Pixel(Shown(Raw("mono8", 1, 1, 1, "\7")), 0, 0), (Bytes4{7, 7, 7, 255}));
   EXPECT_EQ(Pixel(Shown(Raw("mono16", 1, 1, 2, "\xff\xff")), 0, 0), (Bytes4{255, 255, 255, 255}));
 }
@@ -73,6 +74,13 @@ TEST(ImageReader, ConvertsYuv) {
   const ImagePicture uyvy = Shown(Raw("uyvy", 2, 1, 4, "\x5a\x51\xf0\x51"));
   EXPECT_EQ(Pixel(uyvy, 0, 0), pixel);
   EXPECT_EQ(Shown(Raw("yuv422", 3, 1, 6, "\x80\xeb\x80\xeb\x80\xeb")).rgba.size(), 12U) << "an odd width";
+  // Two white pixels above two, beside two red ones above two; the last row and its chroma are white.
+  const std::string row = "\xeb\xeb\x51\x51";
+  const ImagePicture nv12 =
+      Shown(Raw("nv12", 4, 3, 4, row + row + "\xeb\xeb\xeb\xeb" + "\x80\x80\x5a\xf0" + "\x80\x80\x80\x80"));
+  EXPECT_EQ(Pixel(nv12, 1, 1), (Bytes4{255, 255, 255, 255}));
+  EXPECT_EQ(Pixel(nv12, 3, 1), pixel);
+  EXPECT_EQ(Pixel(nv12, 3, 2), (Bytes4{255, 255, 255, 255}));
 }
 
 TEST(ImageReader, GivesTheSameColorsForEveryBayerPattern) {
@@ -87,10 +95,14 @@ TEST(ImageReader, GivesTheSameColorsForEveryBayerPattern) {
         data += static_cast<char>(part == 'r' ? 200 : (part == 'g' ? 100 : 50));
       }
     }
+    std::string upper;  // The same with two bytes per pixel.
+    for (const char value : data) upper += {'.', value};
     const ImagePicture picture = Shown(Raw(encoding, 6, 6, 6, data));
+    const ImagePicture deep = Shown(Raw(std::string(encoding, 10) + "16", 6, 6, 12, upper));
     for (std::size_t y = 0; y < 6; ++y) {
       for (std::size_t x = 0; x < 6; ++x) ASSERT_EQ(Pixel(picture, x, y), (Bytes4{200, 100, 50, 255})) << encoding;
     }
+    EXPECT_EQ(deep.rgba, picture.rgba) << encoding;
   }
 }
 
