@@ -41,6 +41,16 @@ class Examples(RobotTest):
         _, err, exit_code = self.finish(process)
         self.assertEqual(exit_code, -signal.SIGINT, err)
 
+    def test_asyncio_program_of_the_page_ends_at_ctrl_c_without_a_traceback(self):
+        blocks = (ROOT / "docs" / "python.md").read_text().split("```python\n")
+        code = next(block for block in blocks if "asyncio.run(main())" in block).split("```")[0]
+        with unittest.mock.patch.dict(os.environ, PYTHONUNBUFFERED="1"):
+            process = self.python(code)
+        self.assertEqual(process.stdout.readline(), "one second more\n")
+        process.send_signal(signal.SIGINT)
+        _, err, exit_code = self.finish(process)
+        self.assertEqual((err, exit_code), ("", 0))
+
     def test_page_shows_the_examples_as_they_are(self):
         page = (ROOT / "docs" / "python.md").read_text()
         for name in ("lidar.py", "height_image.py"):
