@@ -191,6 +191,8 @@ class Processes(RobotTest):
             "    asyncio=lambda: asyncio.run(messages.__anext__()),\n"
             "    wait_for_subscribers=lambda: robot.wait_for_subscribers('log'),\n"
             "    wait_for_publishers=lambda: robot.wait_for_publishers('log'),\n"
+            "    wait_for_service=lambda: robot.wait_for_service('add'),\n"
+            "    lookup_async=lambda: asyncio.run(transforms.lookup_async('a', 'b')),\n"
             "    serve=lambda: robot.serve('b', Log, Log, lambda request: Log()), call=lambda: robot.call('add', Log()),\n"
             "    result=call.result, done=call.done, cancel=call.cancel,\n"
             "    timer=lambda: robot.timer(1, lambda tick: None), rate=lambda: robot.rate(1), rate_sleep=rate.sleep,\n"
