@@ -28,8 +28,8 @@ constexpr void RequireMessage() noexcept {
       "This type cannot be a message. A message is a class that protoc generated, a plain struct of numbers, enums and "
       "arrays of these (no std::string, no std::vector, no pointer), a class with SerializeToString and "
       "ParseFromString, or a type for which hgros::CustomCodec is specialized before its first use. What stays inside "
-      "the process (ToGraph, FromGraph) may be any type. Read on in hgros/codec/message.hpp, or in README.md under "
-      "\"Send your own types\".");
+      "the process (ToGraph, FromGraph) may be any type. Read on in hgros/codec/message.hpp, or in docs/how-to.md "
+      "under \"Send your own types\".");
 }
 
 /// The library's description of T, a complete object type without const or volatile. If T is not a Message its encoding
