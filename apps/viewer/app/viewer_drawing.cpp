@@ -64,7 +64,7 @@ void Viewer::DrawOverlaysAndPanels() {
   DrawHelp(show_help_);
   ImGui::Render();
   panels_renderer_.Draw();
-  if (glyphs_ != Glyphs::kAll && MissesGlyphs()) {
+  if (glyphs_ != Glyphs::kAll && NeedsMoreGlyphs()) {
     glyphs_ = glyphs_ == Glyphs::kLatin ? Glyphs::kFont : Glyphs::kAll;
     SetLook(scale_, glyphs_);
     panels_renderer_.ForgetFont();

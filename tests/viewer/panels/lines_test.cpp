@@ -24,7 +24,7 @@ TEST_F(PanelLines, StatusIsIdleWhileNothingIsDrawn) {
 
 TEST_F(PanelLines, CharactersThatAreMissingAreLoaded) {
   if (!std::filesystem::exists("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")) GTEST_SKIP() << "no font";
-  const auto misses = [](const char* text, Glyphs glyphs) {
+  const auto needs_more = [](const char* text, Glyphs glyphs) {
     SetLook(1, glyphs);
     unsigned char* pixels = nullptr;
     int width = 0;
@@ -33,12 +33,12 @@ TEST_F(PanelLines, CharactersThatAreMissingAreLoaded) {
     ImGui::NewFrame();
     ImGui::GetForegroundDrawList()->AddText({20, 20}, IM_COL32_WHITE, text);
     ImGui::Render();
-    return MissesGlyphs();
+    return NeedsMoreGlyphs();
   };
-  EXPECT_FALSE(misses("\xC3\xA4 ?", Glyphs::kLatin));
-  EXPECT_TRUE(misses("\xCE\xA9", Glyphs::kLatin)) << "a Greek letter";
-  EXPECT_FALSE(misses("\xCE\xA9 \xD0\x96 \xE2\x89\x88 \xE2\x86\x92", Glyphs::kFont));
-  EXPECT_TRUE(misses("\xEE\x80\x80", Glyphs::kFont)) << "no font has it";
+  EXPECT_FALSE(needs_more("\xC3\xA4 ?", Glyphs::kLatin));
+  EXPECT_TRUE(needs_more("\xCE\xA9", Glyphs::kLatin)) << "a Greek letter";
+  EXPECT_FALSE(needs_more("\xCE\xA9 \xD0\x96 \xE2\x89\x88 \xE2\x86\x92", Glyphs::kFont));
+  EXPECT_TRUE(needs_more("\xEE\x80\x80", Glyphs::kFont)) << "no font has it";
 }
 
 TEST_F(PanelLines, TimeBarShowsItsSpanAndLimit) {

@@ -135,7 +135,7 @@ class Jpeg {
   [[nodiscard]] std::string Read(Bytes file, ImagePicture& picture) {
     if (setjmp(jump_) != 0) {
       if (state_.output_scanline == 0) return "The JPEG cannot be read: " + std::string(message_.data()) + ".";
-      NoteDamage(picture);
+      RecordDamage(picture);
       return {};
     }
     jpeg_create_decompress(&state_);
@@ -154,12 +154,12 @@ class Jpeg {
       jpeg_read_scanlines(&state_, &row, 1);
     }
     jpeg_finish_decompress(&state_);
-    if (message_[0] != '\0') NoteDamage(picture);
+    if (message_[0] != '\0') RecordDamage(picture);
     return {};
   }
 
  private:
-  void NoteDamage(ImagePicture& picture) const {
+  void RecordDamage(ImagePicture& picture) const {
     picture.damage = "The JPEG is damaged: " + std::string(message_.data()) + ".";
   }
   /// Keeps the last message of libjpeg.

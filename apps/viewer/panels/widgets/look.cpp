@@ -90,7 +90,7 @@ void SetLook(float scale, Glyphs glyphs) {
   LoadFonts(scale, glyphs);
 }
 
-bool MissesGlyphs() {
+bool NeedsMoreGlyphs() {
   const ImDrawData* const data = ImGui::GetDrawData();
   const ImVector<ImFont*>& fonts = ImGui::GetIO().Fonts->Fonts;
   if (data == nullptr || fonts.empty() || fonts[0]->FallbackGlyph == nullptr) return false;

@@ -14,7 +14,7 @@ enum class Glyphs : std::uint8_t {
 /// Sets ImGui's colors, sizes and font. `scale` is the number of screen pixels per pixel of the design.
 void SetLook(float scale, Glyphs glyphs = Glyphs::kLatin);
 /// Whether the output of ImGui::Render has a sign in place of a character that cannot be written.
-[[nodiscard]] bool MissesGlyphs();
+[[nodiscard]] bool NeedsMoreGlyphs();
 
 /// The color of errors and warnings.
 struct WarningColor {

@@ -59,7 +59,8 @@ void main() {
     color = rgba.rgb;
 #endif
   } else {
-    float unit = color_by == 1 ? dot(at, axis) * axis_to_unit.x + axis_to_unit.y : (shown - value_to_unit.x) * value_to_unit.y;
+    float unit = (shown - value_to_unit.x) * value_to_unit.y;
+    if (color_by == 1) unit = dot(at, axis) * axis_to_unit.x + axis_to_unit.y;
     unit = unit > 0.0 ? min(unit, 1.0) : 0.0;  // also if it is not a number
     color = textureLod(maps, vec2((unit * 255.0 + 0.5) / 256.0, map_row), 0.0).rgb;
   }
