@@ -27,28 +27,30 @@ double MedianOf(std::vector<double>& numbers) {
 
 }  // namespace
 
-Eigen::AlignedBox3d BoundsOfMost(std::vector<Eigen::AlignedBox3d> boxes, double far_meters) {
+UsualPlace UsualPlaceOf(const std::vector<Eigen::AlignedBox3d>& boxes, double far_meters) {
+  UsualPlace place;
+  std::vector<double> numbers(boxes.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(boxes, numbers.begin(), [axis](const auto& box) { return box.center()[axis]; });
+    place.middle[axis] = MedianOf(numbers);
+  }
+  std::ranges::transform(boxes, numbers.begin(), [&](const auto& box) { return UsualPlace::Reach(place.middle, box); });
+  // A quarter is enough to be right: several messages may be malformed.
+  const auto usual = numbers.begin() + static_cast<std::ptrdiff_t>((numbers.size() - 1) / 4);
+  std::ranges::nth_element(numbers, usual);
+  place.reach_meters = std::max(far_meters, kOutlier * *usual);
+  return place;
+}
+
+Eigen::AlignedBox3d BoundsOfMost(std::vector<Eigen::AlignedBox3d> boxes) {
   std::erase_if(boxes, [](const Eigen::AlignedBox3d& box) {
     const auto is_usual = [](const auto& corner) { return (corner.array().abs() <= kLargestNumber).all(); };
     return box.isEmpty() || !is_usual(box.min()) || !is_usual(box.max());
   });
   const Eigen::AlignedBox3d all = Around(boxes);
-  if (boxes.size() < 2 || all.sizes().maxCoeff() <= far_meters) return all;
-  Eigen::Vector3d middle;
-  std::vector<double> numbers(boxes.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::ranges::transform(boxes, numbers.begin(), [axis](const auto& box) { return box.center()[axis]; });
-    middle[axis] = MedianOf(numbers);
-  }
-  const auto reach = [&](const Eigen::AlignedBox3d& box) {
-    return (box.min() - middle).cwiseAbs().cwiseMax((box.max() - middle).cwiseAbs()).maxCoeff();
-  };
-  std::ranges::transform(boxes, numbers.begin(), reach);
-  // A quarter is enough to be right: several messages may be malformed.
-  const auto usual = numbers.begin() + static_cast<std::ptrdiff_t>((numbers.size() - 1) / 4);
-  std::ranges::nth_element(numbers, usual);
-  const double most = std::max(far_meters, kOutlier * *usual);
-  std::erase_if(boxes, [&](const Eigen::AlignedBox3d& box) { return reach(box) > most; });
+  if (boxes.size() < 2 || all.sizes().maxCoeff() <= kFarFromOthersMeters) return all;
+  const UsualPlace place = UsualPlaceOf(boxes, kFarFromOthersMeters);
+  std::erase_if(boxes, [&](const Eigen::AlignedBox3d& box) { return !place.Has(box); });
   return Around(boxes);
 }
 

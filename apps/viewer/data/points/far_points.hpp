@@ -4,7 +4,7 @@
 
 namespace hgros::viewer {
 
-/// Removes the points that are far from all others (BoundsOfMost): they are malformed.
+/// Removes the points that are far from all others (BoxesAround): they are malformed.
 void LeaveOutFar(PointBatch& batch);
 
 }  // namespace hgros::viewer

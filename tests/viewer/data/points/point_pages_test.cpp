@@ -25,6 +25,18 @@ TEST(PointBoxes, LeaveOutOnePointOfAMessage) {
   EXPECT_TRUE(BoxesAround(std::vector<Eigen::Vector3f>()).most.isEmpty());
 }
 
+TEST(PointBoxes, LeaveOutOutliersAmongManyPoints) {
+  std::vector<Eigen::Vector3f> points(10'000, Eigen::Vector3f(1, 2, 3));
+  for (std::size_t i = 0; i < points.size(); i += 7) points[i] = {0, 0, static_cast<float>(i) / 100};
+  for (std::size_t i = 5; i < points.size(); i += 10) points[i] = {static_cast<float>(2000 + i), 0, 0};
+  const PointBoxes boxes = BoxesAround(points);
+  EXPECT_EQ(boxes.most.min(), Eigen::Vector3d(0, 0, 0));
+  EXPECT_LE(boxes.most.max().x(), 1);
+  EXPECT_EQ(boxes.most.max().y(), 2);
+  EXPECT_NEAR(boxes.most.max().z(), 99.96, 1e-4) << "this one is not in the sample";
+  EXPECT_EQ(BoxesAround(points, 1e6).most.max().x(), 11'995) << "no point is that far";
+}
+
 /// The pages that the owner of the memory would hold.
 class Memory {
  public:
