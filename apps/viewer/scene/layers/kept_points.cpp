@@ -76,21 +76,20 @@ KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
   return slab;
 }
 
-void KeptPoints::BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners,
-                            const Eigen::Vector3d& middle) {
+void KeptPoints::BeginPages(std::size_t first, std::span<const PageBook::Page> pages, const Eigen::Vector3d& middle) {
   std::array<std::uint32_t, kPage> empty;
   empty.fill(cell_code::kNowhere);
-  const Eigen::Vector3d edge = Eigen::Vector3d::Constant(book_.cell_meters());
-  for (std::size_t i = 0; i < corners.size(); ++i) {
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    const auto& [at, edge_meters] = pages[i];
     const std::size_t page = first + i;
     if (page / kSlabPages == slabs_.size()) slabs_.push_back(MakeSlab(middle));
     Slab& slab = slabs_[page / kSlabPages];
     const std::size_t in_slab = page % kSlabPages;
     slab.used_pages = in_slab + 1;
-    slab.bounds.extend(Eigen::AlignedBox3d(corners[i], corners[i] + edge));
+    slab.bounds.extend(Eigen::AlignedBox3d(at, at + Eigen::Vector3d::Constant(edge_meters)));
     Write<std::uint32_t>(slab.codes, in_slab * kPage, empty);
-    const Eigen::Vector3f corner = (corners[i] - slab.origin).cast<float>();
-    const PageRow row = {corner.x(),  corner.y(),  corner.z(), static_cast<float>(book_.cell_meters()),
+    const Eigen::Vector3f corner = (at - slab.origin).cast<float>();
+    const PageRow row = {corner.x(),  corner.y(),  corner.z(), static_cast<float>(edge_meters),
                          range_.lo(), range_.hi(), 0,          0};
     Write<float>(slab.pages, in_slab * row.size(), row);
   }

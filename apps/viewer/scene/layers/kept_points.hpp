@@ -75,7 +75,7 @@ class KeptPoints {
 
   void AddToRegion(const Eigen::AlignedBox3d& box);
   /// `middle` becomes the origin of new slabs: floats are exact near it.
-  void BeginPages(std::size_t first, std::span<const Eigen::Vector3d> corners, const Eigen::Vector3d& middle);
+  void BeginPages(std::size_t first, std::span<const PageBook::Page> pages, const Eigen::Vector3d& middle);
   [[nodiscard]] Slab MakeSlab(const Eigen::Vector3d& origin) const;
   /// Prepares drawing of every `stride`-th point, starting at `first`.
   void Bind(PointPrograms& programs, ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,

@@ -185,9 +185,9 @@ TEST_F(PointsDisplayTest, ColorsReturnAfterAMessageWithAbsurdValues) {
 
 TEST_F(PointsDisplayTest, KeepsFewBytesForAPointAlsoIfTheFirstMessageHasOne) {
   const Display& display = Show("Point cloud", "cloud", Spiral(Eigen::Vector3d::Zero(), 0, 1), {"keep", "all"});
-  for (int i = 0; i < 50; ++i) Send("cloud", Spiral(Eigen::Vector3d(2.0 * i, 1.0 * i, 0)));
-  EXPECT_EQ(display.points(), 200'001U);
-  EXPECT_LT(display.gpu_bytes(), 40U * 200'000);
+  for (int i = 0; i < 250; ++i) Send("cloud", Spiral(Eigen::Vector3d(0.4 * i, 0.2 * i, 0)));
+  EXPECT_EQ(display.points(), 1'000'001U);
+  EXPECT_LT(display.gpu_bytes(), 9U * 1'000'000) << "7 for a point with value and color, and pages that are not full";
 }
 
 TEST_F(PointsDisplayTest, IsPlacedAgainWhenTheFixedFrameGetsANewRoot) {
