@@ -91,9 +91,9 @@ class ValueRange {
   std::vector<std::pair<float, float>> seen_;  ///< Lowest and highest value of each message.
 };
 
-/// A value of the range as 8 bits.
-[[nodiscard]] inline std::uint8_t EncodeIn(const ValueRange& range, float value) noexcept {
-  const float unit = (value - range.lo()) / (range.hi() - range.lo());
+/// A value of a range as 8 bits.
+[[nodiscard]] inline std::uint8_t EncodeIn(float lowest, float highest, float value) noexcept {
+  const float unit = (value - lowest) / (highest - lowest);
   return static_cast<std::uint8_t>(std::isfinite(unit) ? std::lround(std::clamp(unit, 0.0F, 1.0F) * 255) : 0);
 }
 

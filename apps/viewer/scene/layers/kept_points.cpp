@@ -7,12 +7,14 @@
 #include "viewer/data/bounds_of_most.hpp"
 #include "viewer/data/points/cell_code.hpp"
 #include "viewer/data/points/point_boxes.hpp"
+#include "viewer/data/value_range.hpp"
 #include "viewer/scene/gl/software_renderer.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kPage = PageBook::kPagePoints;
+constexpr std::size_t kMostRanges = 16;  // each has pages that are not full
 
 std::uint16_t To565(std::uint32_t color) {
   return static_cast<std::uint16_t>((color & 0xF8U) << 8U | (color >> 5U & 0x7E0U) | (color >> 19U & 0x1FU));
@@ -76,7 +78,8 @@ KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
   return slab;
 }
 
-void KeptPoints::BeginPages(std::size_t first, std::span<const PageBook::Page> pages, const Eigen::Vector3d& middle) {
+void KeptPoints::BeginPages(std::size_t first, std::span<const PageBook::Page> pages, const Range& range,
+                            const Eigen::Vector3d& middle) {
   std::array<std::uint32_t, kPage> empty;
   empty.fill(cell_code::kNowhere);
   for (std::size_t i = 0; i < pages.size(); ++i) {
@@ -89,8 +92,8 @@ void KeptPoints::BeginPages(std::size_t first, std::span<const PageBook::Page> p
     slab.bounds.extend(Eigen::AlignedBox3d(at, at + Eigen::Vector3d::Constant(edge_meters)));
     Write<std::uint32_t>(slab.codes, in_slab * kPage, empty);
     const Eigen::Vector3f corner = (at - slab.origin).cast<float>();
-    const PageRow row = {corner.x(),  corner.y(),  corner.z(), static_cast<float>(edge_meters),
-                         range_.lo(), range_.hi(), 0,          0};
+    const PageRow row = {corner.x(),   corner.y(),    corner.z(), static_cast<float>(edge_meters),
+                         range.lowest, range.highest, 0,          0};
     Write<float>(slab.pages, in_slab * row.size(), row);
   }
 }
@@ -99,10 +102,11 @@ void KeptPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const
                      std::span<const std::uint32_t> colors) {
   if (positions.empty()) return;
   const Eigen::AlignedBox3d box = BoxesAround(positions).most;
-  if (with_values_ && range_.Cover(values)) book_.ClosePages();
+  const std::size_t kind = with_values_ ? RangeFor(values) : 0;
+  const Range range = with_values_ ? ranges_[kind] : Range();
   const std::size_t first_page = book_.pages();
-  const PageBook::Added added = book_.Add(positions, box);
-  BeginPages(first_page, added.new_pages, box.center());
+  const PageBook::Added added = book_.Add(positions, box, kind);
+  BeginPages(first_page, added.new_pages, range, box.center());
   AddToRegion(box);
 
   std::vector<std::uint8_t> value_codes;
@@ -110,7 +114,7 @@ void KeptPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const
     value_codes.resize(positions.size());
     if (!values.empty()) {
       std::ranges::transform(added.order, value_codes.begin(),
-                             [&](std::uint32_t i) { return EncodeIn(range_, values[i]); });
+                             [&](std::uint32_t i) { return EncodeIn(range.lowest, range.highest, values[i]); });
     }
   }
   std::vector<std::uint16_t> color_codes;
@@ -131,6 +135,25 @@ void KeptPoints::Add(std::span<const Eigen::Vector3d> positions, std::span<const
     slab.new_firsts.push_back(static_cast<GLint>(first));
     slab.new_counts.push_back(static_cast<GLsizei>(run.count));
   }
+}
+
+std::size_t KeptPoints::RangeFor(std::span<const float> values) {
+  ValueRange own;
+  if (!own.Cover(values) && !ranges_.empty()) return 0;  // None is a number.
+  const float spread = own.hi() - own.lo();
+  const auto suits = [&](const Range& range) {
+    return range.lowest <= own.lo() && own.hi() <= range.highest && range.highest - range.lowest <= 4 * spread;
+  };
+  if (const auto found = std::ranges::find_if(ranges_, suits); found != ranges_.end()) {
+    return static_cast<std::size_t>(found - ranges_.begin());
+  }
+  const float margin = ranges_.empty() ? 0 : spread / 4;  // Values that changed once will change again.
+  if (ranges_.size() == kMostRanges) {
+    ranges_.clear();
+    book_.ClosePages();
+  }
+  ranges_.push_back({own.lo() - margin, own.hi() + margin});
+  return ranges_.size() - 1;
 }
 
 void KeptPoints::AddToRegion(const Eigen::AlignedBox3d& box) {

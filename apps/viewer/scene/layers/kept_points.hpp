@@ -11,7 +11,6 @@
 
 #include "viewer/data/frames/fixed_frame.hpp"
 #include "viewer/data/points/page_book.hpp"
-#include "viewer/data/value_range.hpp"
 #include "viewer/scene/gl/gl_object.hpp"
 #include "viewer/scene/gl/slice.hpp"
 #include "viewer/scene/layers/nearest_point.hpp"
@@ -73,9 +72,19 @@ class KeptPoints {
     std::size_t messages = 0;
   };
 
+  /// The limits of the 8 bits of a value.
+  struct Range {
+    float lowest = 0;
+    float highest = 1;
+  };
+
   void AddToRegion(const Eigen::AlignedBox3d& box);
+  /// Index of the range for the values of a message. It is one of an earlier message if that has the values without
+  /// outliers, and is not more than four times as wide. So absurd values of one message take no precision from others.
+  [[nodiscard]] std::size_t RangeFor(std::span<const float> values);
   /// `middle` becomes the origin of new slabs: floats are exact near it.
-  void BeginPages(std::size_t first, std::span<const PageBook::Page> pages, const Eigen::Vector3d& middle);
+  void BeginPages(std::size_t first, std::span<const PageBook::Page> pages, const Range& range,
+                  const Eigen::Vector3d& middle);
   [[nodiscard]] Slab MakeSlab(const Eigen::Vector3d& origin) const;
   /// Prepares drawing of every `stride`-th point, starting at `first`.
   void Bind(PointPrograms& programs, ShaderProgram& program, const ViewMatrices& view, const PointStyle& style,
@@ -86,7 +95,7 @@ class KeptPoints {
   PageBook book_;
   const bool with_values_;
   const bool with_colors_;
-  ValueRange range_;  ///< Of the values in new pages.
+  std::vector<Range> ranges_;  ///< Of the values in pages that are not full.
   std::vector<Region> regions_;
   std::size_t messages_ = 0;  ///< Of all regions.
   std::vector<Slab> slabs_;

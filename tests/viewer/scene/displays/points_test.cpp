@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "foxglove/LaserScan.pb.h"
 #include "foxglove/PointCloud.pb.h"
@@ -160,7 +161,8 @@ TEST_F(PointsDisplayTest, OneAbsurdPointOrValueChangesNothingElse) {
   }
 }
 
-TEST_F(PointsDisplayTest, ColorsReturnAfterAMessageWithAbsurdValues) {
+/// A spiral whose intensities are a hundred times too large.
+PointCloud Absurd() {
   PointCloud absurd = Spiral();
   for (std::size_t at = 24; at < absurd.data().size(); at += absurd.point_stride()) {
     float value = 0;
@@ -168,6 +170,10 @@ TEST_F(PointsDisplayTest, ColorsReturnAfterAMessageWithAbsurdValues) {
     value *= 100;
     std::memcpy(absurd.mutable_data()->data() + at, &value, sizeof value);
   }
+  return absurd;
+}
+
+TEST_F(PointsDisplayTest, ColorsReturnAfterAMessageWithAbsurdValues) {
   for (const char* keep : {"latest", "all"}) {
     SCOPED_TRACE(keep);
     Show("Point cloud", "usual", Spiral(), {"keep", keep, "color", "value", "size", "3"});
@@ -175,12 +181,20 @@ TEST_F(PointsDisplayTest, ColorsReturnAfterAMessageWithAbsurdValues) {
     const Pixels expected = Draw();
     scene_.Remove(0);
     Show("Point cloud", "glitch", Spiral(), {"keep", keep, "color", "value", "size", "3"});
-    for (int i = 0; i < 20; ++i) Send("glitch", i == 4 && keep == std::string("latest") ? absurd : Spiral());
-    if (keep == std::string("all")) Send("glitch", absurd);
+    for (int i = 0; i < 20; ++i) Send("glitch", i == 4 ? Absurd() : Spiral());
     Send("glitch", Spiral());
     EXPECT_LT(DifferentShare(expected, Draw()), 0.01);
     scene_.Remove(0);
   }
+}
+
+TEST_F(PointsDisplayTest, KeptValuesAreExactAfterAMessageWithAbsurdValues) {
+  const Display& display = Show("Point cloud", "cloud", Absurd(), {"keep", "all"});
+  Send("cloud", Spiral({0, 0, 20}));
+  const double turn = 6 * std::numbers::pi * 20 / 4000;
+  const std::string value = display.ValueAt({3.5 * std::cos(turn), 3.5 * std::sin(turn), 18.03}, 0.02);
+  ASSERT_TRUE(value.starts_with("intensity = ")) << value;
+  EXPECT_NEAR(std::stod(value.substr(12)), 20, 0.2);
 }
 
 TEST_F(PointsDisplayTest, KeepsFewBytesForAPointAlsoIfTheFirstMessageHasOne) {
