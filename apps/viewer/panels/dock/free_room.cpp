@@ -30,16 +30,15 @@ PanelPlace LargestFree(const PanelPlace& all, std::span<const PanelPlace> taken)
   const std::vector<float> columns = Edges(all.x, all.x + all.width, taken, &PanelPlace::x, &PanelPlace::width);
   const std::vector<float> rows = Edges(all.y, all.y + all.height, taken, &PanelPlace::y, &PanelPlace::height);
   PanelPlace best;
-  for (std::size_t left = 0; left < columns.size(); ++left) {
-    for (std::size_t right = left + 1; right < columns.size(); ++right) {
-      for (std::size_t top = 0; top < rows.size(); ++top) {
-        for (std::size_t bottom = top + 1; bottom < rows.size(); ++bottom) {
-          const PanelPlace place{columns[left], rows[top], columns[right] - columns[left], rows[bottom] - rows[top]};
-          if (place.width * place.height <= best.width * best.height) continue;
-          const bool covered = std::ranges::any_of(taken, [&](const PanelPlace& one) {
-            return Overlaps(one, columns[left], columns[right], rows[top], rows[bottom]);
-          });
-          if (!covered) best = place;
+  const auto is_better = [&](float width, float height) { return width * height > best.width * best.height; };
+  // The largest candidates come first. What is not better even if nothing covers it is not tried.
+  for (auto left = columns.begin(); left != columns.end() && is_better(columns.back() - *left, all.height); ++left) {
+    for (auto right = columns.end(); is_better(*--right - *left, all.height);) {
+      for (auto top = rows.begin(); is_better(*right - *left, rows.back() - *top); ++top) {
+        for (auto bottom = rows.end(); is_better(*right - *left, *--bottom - *top);) {
+          const bool covered = std::ranges::any_of(
+              taken, [&](const PanelPlace& one) { return Overlaps(one, *left, *right, *top, *bottom); });
+          if (!covered) best = {*left, *top, *right - *left, *bottom - *top};
         }
       }
     }
@@ -51,7 +50,8 @@ PanelPlace FreeRoom() {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   std::vector<PanelPlace> taken;
   for (const ImGuiWindow* const window : ImGui::GetCurrentContext()->Windows) {
-    const bool shown = (window->Active || window->WasActive) && !window->Hidden;
+    // ImGui begins its fallback window in each frame, and does not draw it.
+    const bool shown = (window->Active || window->WasActive) && !window->Hidden && !window->IsFallbackWindow;
     if (!shown || (window->Flags & (ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip)) != 0) continue;
     const ImRect place = window->Rect();
     taken.push_back({place.Min.x, place.Min.y, place.GetWidth(), place.GetHeight()});
