@@ -194,6 +194,21 @@ TEST_F(ViewerTest, AppliesALayoutAndReturnsItUnchanged) {
   EXPECT_EQ(Do({Key('H'), Key('H')}, before), before);
 }
 
+TEST_F(ViewerTest, ALayoutHasTheColorOfACloudOnceItIsDecided) {
+  for (const char* given : {"size", "highest"}) {
+    options_.channels = {{"cloud", "foxglove.PointCloud", {{given, "3"}}}};
+    const Layout layout = Do({Key('H')});
+    const auto display = std::ranges::find(*layout.displays, "cloud", &LayoutDisplay::channel);
+    ASSERT_NE(display, layout.displays->end());
+    const auto has = [&](const char* name) {
+      return std::ranges::find(display->settings, name, &LayoutSetting::name) != display->settings.end();
+    };
+    EXPECT_TRUE(has(given));
+    EXPECT_EQ(has("color"), given == std::string("highest")) << "rgb, if the first points have colors";
+    EXPECT_EQ(has("map"), given == std::string("highest"));
+  }
+}
+
 TEST_F(ViewerTest, DrawsAtAnyWindowSize) {
   options_.opened_panels = {
       {"Channels", "", {}}, {"Log", "", {}}, {"Message", "", {}}, {"Plot", "", {}}, {"Graph", "", {}}};

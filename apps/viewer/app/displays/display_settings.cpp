@@ -67,7 +67,7 @@ std::vector<LayoutDisplay> KeptDisplays(const Scene& scene) {
     display.channel = entry.channel;
     display.visible = entry.visible;
     for (const Setting& setting : entry.display->Settings()) {
-      display.settings.push_back({setting.name, TextOf(setting), {}});
+      if (setting.decided) display.settings.push_back({setting.name, TextOf(setting), {}});
     }
   }
   return displays;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iterator>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "viewer/data/quantity_text.hpp"
@@ -14,7 +15,12 @@ namespace hgros::viewer {
 namespace {
 
 constexpr std::size_t kMostMessagesWaiting = 64;
+/// Each of these, once given, decides what the color shows.
+constexpr std::array<std::string_view, 8> kColorSettings = {"color", "flat",       "axis",   "field",
+                                                            "map",   "auto range", "lowest", "highest"};
 constexpr std::size_t kKeepCapacity = 100'000;  // positions; memory for more is returned after they were placed
+
+bool IsOfColor(std::string_view setting) { return std::ranges::find(kColorSettings, setting) != kColorSettings.end(); }
 
 }  // namespace
 
@@ -209,7 +215,7 @@ std::vector<Setting> PointsDisplay::Settings() {
                        "The colors go from the lowest to the highest value, without the outer 2 % at each end, which "
                        "have the first and the last color.",
                        by_map, {"color", {"axis", "value"}});
-  return {
+  std::vector<Setting> settings = {
       {"keep", "Which points stay: those of the latest message, of some messages, of some time, or all.",
        Setting::Choice{&keep_, {"latest", "count", "time", "all"}}},
       {"count",
@@ -242,11 +248,13 @@ std::vector<Setting> PointsDisplay::Settings() {
       {"unit", "The unit of the size: pixels on the screen, or meters in the scene.",
        Setting::Choice{&size_unit_, {"px", "m"}}},
   };
+  for (Setting& setting : settings) setting.decided = color_given_ || !IsOfColor(setting.name);
+  return settings;
 }
 
 void PointsDisplay::OnSetting(const std::string& name) {
   setting_changed_ = true;
-  if (name == "color") color_given_ = true;
+  if (IsOfColor(name)) color_given_ = true;
   if (name == "keep") {
     Clear();
   } else if (name == "field") {

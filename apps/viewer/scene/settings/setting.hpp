@@ -43,6 +43,7 @@ struct Setting {
     std::vector<std::string> values;
   };
   std::vector<Need> needs = {};
+  bool decided = true;  ///< False: data may still change it, so a layout does not have it.
 };
 
 /// Sets the value from a text. Returns what is wrong with the text, or nothing.

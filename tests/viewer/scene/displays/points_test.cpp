@@ -358,7 +358,11 @@ TEST_F(PointsDisplayTest, CloudsWithColorsStartInTheirColorsUnlessToldOtherwise)
   EXPECT_EQ(color(cloud), "axis");
   Send("cloud", Spiral());
   EXPECT_EQ(color(cloud), "rgb");
-  EXPECT_EQ(color(Show("Point cloud", "told", Spiral(), {"color", "axis"})), "axis");
+  const std::pair<const char*, const char*> given[] = {{"color", "axis"},     {"axis", "x"},   {"map", "fire"},
+                                                       {"auto range", "off"}, {"lowest", "0"}, {"highest", "3"}};
+  for (const auto& [name, value] : given) {
+    EXPECT_EQ(color(Show("Point cloud", "told", Spiral(), {name, value})), "axis") << name;
+  }
 }
 
 TEST_F(PointsDisplayTest, HasALegendWithTheLimitsOfItsColors) {
