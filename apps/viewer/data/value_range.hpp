@@ -19,9 +19,9 @@ class ValueRange {
   static constexpr std::size_t kFewMessages = 16;
   static constexpr std::size_t kAllMessages = std::numeric_limits<std::size_t>::max();
 
-  /// Covers a message, and forgets all but the last `messages` (at least kFewMessages). Returns whether the range has
-  /// changed. Values that are not numbers are ignored.
-  bool Cover(std::span<const float> values, std::size_t messages = kFewMessages) {
+  /// Covers a message, and forgets all but the last `messages` (at least kFewMessages). `weight`: the number of
+  /// messages that it stands for. Returns whether the range has changed. Values that are not numbers are ignored.
+  bool Cover(std::span<const float> values, std::size_t messages = kFewMessages, std::size_t weight = 1) {
     sample_.clear();
     const std::size_t step = std::max<std::size_t>(1, values.size() / kSample);
     for (std::size_t i = 0; i < values.size(); i += step) {
@@ -35,7 +35,7 @@ class ValueRange {
       const auto [least, greatest] = std::ranges::minmax(sample_);
       seen = {least, greatest};
     }
-    Remember(seen, messages);
+    Remember(seen, messages, weight);
     return Settle();
   }
 
@@ -56,8 +56,8 @@ class ValueRange {
     return Lowest(values, values.size() - 1 - tail);
   }
 
-  void Remember(const std::pair<float, float>& seen, std::size_t messages) {
-    seen_.push_back(seen);
+  void Remember(const std::pair<float, float>& seen, std::size_t messages, std::size_t weight) {
+    seen_.insert(seen_.end(), std::min(weight, kSample), seen);
     const std::size_t most = std::max(messages, kFewMessages);
     if (seen_.size() > most) seen_.erase(seen_.begin(), seen_.end() - static_cast<std::ptrdiff_t>(most));
     if (seen_.size() <= kSample) return;

@@ -69,6 +69,15 @@ TEST(ValueRange, ShrinksAgainAfterAMessageWithAbsurdValues) {
   EXPECT_TRUE(CoverHundred(range, 100)) << "two do";
 }
 
+TEST(ValueRange, AMessageThatStandsForSeveralCountsAsThese) {
+  for (const std::size_t weight : {1U, 3U}) {
+    ValueRange range;
+    range.Cover(std::vector<float>{900, 1000}, ValueRange::kAllMessages, weight);
+    for (int i = 0; i < 50; ++i) range.Cover(std::vector<float>{0, 10}, ValueRange::kAllMessages);
+    EXPECT_EQ(range.hi() > 900, weight > 1);
+  }
+}
+
 TEST(ValueRange, FollowsSmallerValues) {
   ValueRange range;
   for (int i = 0; i < 20; ++i) CoverHundred(range, 1);

@@ -64,9 +64,12 @@ Change PointsDisplay::PlaceAgain(const UpdateContext& context) {
   if (!context.frame_changed && !placed) return Change::kNothing;
   if (const Eigen::AlignedBox3d box = Bounds(); !box.isEmpty()) {
     const Eigen::AlignedBox3f ends = box.cast<float>();
+    std::size_t messages = recent_.messages();
+    for (const KeptPoints& kept : kept_) messages += kept.messages();
+    const std::size_t shown = keep_ == kForEver ? ValueRange::kAllMessages : messages;
     for (int axis = 0; axis < 3; ++axis) {
       const std::array<float, 2> both = {ends.min()[axis], ends.max()[axis]};
-      (void)axis_ranges_[static_cast<std::size_t>(axis)].Cover(both);
+      (void)axis_ranges_[static_cast<std::size_t>(axis)].Cover(both, shown, messages);
     }
   }
   return Change::kRedraw;

@@ -41,6 +41,7 @@ class KeptPoints {
   void Find(const Eigen::Vector3d& at, NearestPoint& nearest) const;
 
   [[nodiscard]] std::size_t points() const noexcept { return book_.points(); }
+  [[nodiscard]] std::size_t messages() const noexcept { return messages_; }
   [[nodiscard]] std::size_t gpu_bytes() const noexcept;
   [[nodiscard]] const std::string& frame() const noexcept { return frame_; }
   /// BoundsOfMost of the messages that were added.

@@ -231,6 +231,21 @@ TEST_F(PointsDisplayTest, IsPlacedAgainWhenTheFixedFrameGetsANewRoot) {
   EXPECT_LT(DifferentShare(before, Draw()), 0.02);
 }
 
+TEST_F(PointsDisplayTest, ColorsShowHeightsOfOlderKeptPointsAlsoAfterANewRoot) {
+  tree_.SetStatic("odom", "lidar", RigidTransform());
+  PointCloud high = Spiral({0, 0, 100});
+  high.set_frame_id("odom");
+  const Display& display = Show("Point cloud", "cloud", high, {"keep", "all", "color", "axis"});
+  for (int i = 0; i < 4; ++i) Send("cloud", high);
+  tree_.SetStatic("map", "odom", RigidTransform());
+  transforms_changed_ = true;
+  Update(1);
+  ASSERT_EQ(frame_.name(), "map");
+  for (int i = 0; i < 20; ++i) Send("cloud", Spiral());
+  ASSERT_TRUE(display.Legend());
+  EXPECT_GT(display.Legend()->highest, 103);
+}
+
 TEST_F(PointsDisplayTest, TheNewestMessageIsPlacedWhenItsTransformComesLate) {
   Display& display = Add("Point cloud", "cloud");
   tree_.SetStatic("map", "other", RigidTransform());
