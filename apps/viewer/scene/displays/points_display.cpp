@@ -60,7 +60,7 @@ std::size_t PointsDisplay::MostMessages() const {
 Change PointsDisplay::PlaceAgain(const UpdateContext& context) {
   if (context.frame_changed) axis_ranges_ = {};
   bool placed = recent_.PlaceAgain(context.frame, context.frame_changed, lost_);
-  for (KeptPoints& kept : kept_) placed |= kept.PlaceAgain(context.frame, context.frame_changed);
+  for (KeptPoints& kept : kept_) placed |= kept.PlaceAgain(context.frame, context.frame_changed, lost_);
   if (!context.frame_changed && !placed) return Change::kNothing;
   if (const Eigen::AlignedBox3d box = Bounds(); !box.isEmpty()) {
     const Eigen::AlignedBox3f ends = box.cast<float>();
@@ -91,7 +91,7 @@ Change PointsDisplay::PlaceWaiting(const UpdateContext& context) {
     }
     if (answer == FixedFrame::Answer::kFound) {
       fault_.clear();
-      lost_.clear();
+      if (keep_ != kForEver) lost_.clear();  // Older kept points still have no place.
       if (next.reported) --unplaced_;
       const bool recolored = Place(next.batch, T_fixed_frame, context);
       const Change placed = keep_ != kForEver ? Change::kMoving : recolored ? Change::kRedraw : Change::kAppended;

@@ -85,7 +85,7 @@ class PointsDisplay : public Display {
   std::vector<Eigen::Vector3d> placed_;
   std::vector<std::string> fields_;
   std::string fault_;
-  std::string lost_;       ///< Why the last message has no place in the new fixed frame.
+  std::string lost_;       ///< Why the last message, or kept points, have no place in the new fixed frame.
   std::string waits_for_;  ///< Why the first of waiting_ has no place yet.
   std::string shown_field_;
   std::string frame_;  ///< The frame of the last message.

@@ -55,13 +55,12 @@ bool InPicture(const Eigen::AlignedBox3d& box, const RigidTransform& T_fixed_box
 KeptPoints::KeptPoints(std::string frame, bool with_values, bool with_colors)
     : frame_(std::move(frame)), with_values_(with_values), with_colors_(with_colors) {}
 
-bool KeptPoints::PlaceAgain(const FixedFrame& fixed, bool frame_changed) {
-  if (T_fixed_kept_ && !frame_changed) return false;
+bool KeptPoints::PlaceAgain(const FixedFrame& fixed, bool frame_changed, std::string& why_not) {
+  if (fixed_from_kept_ && !frame_changed) return false;
   RigidTransform T_fixed_kept;
-  std::string why_not;
-  T_fixed_kept_.reset();
-  if (fixed.Find(frame_, T_fixed_kept, why_not) == FixedFrame::Answer::kFound) T_fixed_kept_ = T_fixed_kept;
-  return T_fixed_kept_.has_value();
+  fixed_from_kept_.reset();
+  if (fixed.Find(frame_, T_fixed_kept, why_not) == FixedFrame::Answer::kFound) fixed_from_kept_ = T_fixed_kept;
+  return fixed_from_kept_.has_value();
 }
 
 KeptPoints::Slab KeptPoints::MakeSlab(const Eigen::Vector3d& origin) const {
@@ -169,18 +168,18 @@ void KeptPoints::AddToRegion(const Eigen::AlignedBox3d& box) {
 }
 
 Eigen::AlignedBox3d KeptPoints::Bounds() const {
-  if (!T_fixed_kept_) return {};
+  if (!fixed_from_kept_) return {};
   constexpr std::size_t kShares = 64;
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const Region& region : regions_)
     boxes.insert(boxes.end(), 1 + kShares * region.messages / messages_, region.box);
   const Eigen::AlignedBox3d bounds = BoundsOfMost(std::move(boxes));
-  return bounds.isEmpty() ? bounds : bounds.transformed(T_fixed_kept_->Isometry());
+  return bounds.isEmpty() ? bounds : bounds.transformed(fixed_from_kept_->Isometry());
 }
 
 void KeptPoints::Bind(PointPrograms& programs, ShaderProgram& program, const ViewMatrices& view,
                       const PointStyle& style, const Slab& slab, const Slice& slice) {
-  programs.SetPlace(program, view, style, *T_fixed_kept_ * RigidTransform({1, 0, 0, 0}, slab.origin));
+  programs.SetPlace(program, view, style, *fixed_from_kept_ * RigidTransform({1, 0, 0, 0}, slab.origin));
   program.Set("stride", static_cast<int>(slice.count));
   program.Set("first", static_cast<int>(slice.index));
   glActiveTexture(GL_TEXTURE1);
@@ -206,7 +205,7 @@ void KeptPoints::Bind(PointPrograms& programs, ShaderProgram& program, const Vie
 }
 
 void KeptPoints::DrawNew(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style) {
-  if (slabs_.empty() || !T_fixed_kept_) return;
+  if (slabs_.empty() || !fixed_from_kept_) return;
   if (!vertices_) vertices_ = GlVertexArray::New();
   glBindVertexArray(vertices_.name());
   ShaderProgram& program = programs.Begin(true, view, style);
@@ -221,7 +220,7 @@ void KeptPoints::DrawNew(PointPrograms& programs, const ViewMatrices& view, cons
 }
 
 void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style, const Slice& slice) {
-  if (slabs_.empty() || !T_fixed_kept_) return;
+  if (slabs_.empty() || !fixed_from_kept_) return;
   if (!vertices_) vertices_ = GlVertexArray::New();
   glBindVertexArray(vertices_.name());
   ShaderProgram& program = programs.Begin(true, view, style);
@@ -230,7 +229,7 @@ void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const P
     slab.new_firsts.clear();
     slab.new_counts.clear();
     const std::size_t points = slab.used_pages * kPage;
-    if (points <= slice.index || !InPicture(slab.bounds, *T_fixed_kept_, view)) continue;
+    if (points <= slice.index || !InPicture(slab.bounds, *fixed_from_kept_, view)) continue;
     Bind(programs, program, view, style, slab, slice);
     const std::size_t drawn = (points - slice.index + slice.count - 1) / slice.count;
     for (std::size_t from = 0; from < drawn; from += DrawnPoints::kAtOnce) {
@@ -242,8 +241,8 @@ void KeptPoints::Draw(PointPrograms& programs, const ViewMatrices& view, const P
 }
 
 void KeptPoints::Find(const Eigen::Vector3d& at, NearestPoint& nearest) const {
-  if (!T_fixed_kept_) return;
-  const Eigen::Vector3d at_kept = T_fixed_kept_->Inverse() * at;
+  if (!fixed_from_kept_) return;
+  const Eigen::Vector3d at_kept = fixed_from_kept_->Inverse() * at;
   std::array<std::uint32_t, kPage> codes;
   std::array<std::uint8_t, kPage> values;
   std::vector<PageRow> rows;

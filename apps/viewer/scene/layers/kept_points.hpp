@@ -31,8 +31,9 @@ class KeptPoints {
   void Add(std::span<const Eigen::Vector3d> positions, std::span<const float> values,
            std::span<const std::uint32_t> colors);
   /// Call it when the fixed frame or a transform has changed. In another fixed frame, all points move to the place that
-  /// their old one has there now, and stay. Until it is known, they are not shown. Returns whether they were placed.
-  bool PlaceAgain(const FixedFrame& fixed, bool frame_changed);
+  /// their old one has there now, and stay. Until it is known, they are not shown, and `why_not` says why. Returns
+  /// whether they were placed.
+  bool PlaceAgain(const FixedFrame& fixed, bool frame_changed, std::string& why_not);
 
   /// Draws what was added since the last call.
   void DrawNew(PointPrograms& programs, const ViewMatrices& view, const PointStyle& style);
@@ -92,7 +93,7 @@ class KeptPoints {
             const Slab& slab, const Slice& slice);
 
   const std::string frame_;
-  std::optional<RigidTransform> T_fixed_kept_ = RigidTransform();
+  std::optional<RigidTransform> fixed_from_kept_ = RigidTransform();
   PageBook book_;
   const bool with_values_;
   const bool with_colors_;

@@ -246,6 +246,25 @@ TEST_F(PointsDisplayTest, ColorsShowHeightsOfOlderKeptPointsAlsoAfterANewRoot) {
   EXPECT_GT(display.Legend()->highest, 103);
 }
 
+TEST_F(PointsDisplayTest, ReportsKeptPointsThatHaveNoPlaceInTheNewFixedFrame) {
+  PointCloud cloud = Spiral();
+  Display& display = Show("Point cloud", "cloud", cloud, {"keep", "all"});
+  tree_.SetStatic("world", "lidar", RigidTransform());
+  frame_.Ask("world");
+  scene_.Update({frame_, 1, true, true});
+  EXPECT_TRUE(display.HasFault());
+  EXPECT_THAT(display.Status().front(), ::testing::HasSubstr("map"));
+  EXPECT_TRUE(display.Bounds().isEmpty());
+  cloud.set_frame_id("lidar");
+  Send("cloud", cloud, 2);
+  EXPECT_FALSE(display.Bounds().isEmpty());
+  EXPECT_TRUE(display.HasFault()) << "older points are still hidden";
+  tree_.SetStatic("world", "map", RigidTransform());
+  transforms_changed_ = true;
+  Update(3);
+  EXPECT_FALSE(display.HasFault());
+}
+
 TEST_F(PointsDisplayTest, TheNewestMessageIsPlacedWhenItsTransformComesLate) {
   Display& display = Add("Point cloud", "cloud");
   tree_.SetStatic("map", "other", RigidTransform());
