@@ -145,17 +145,20 @@ void RecentPoints::Find(const Eigen::Vector3d& at, double until_s, NearestPoint&
     positions.resize(message.count);
     glBindBuffer(GL_ARRAY_BUFFER, message.points.name());
     glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(message.count * sizeof(Position)), positions.data());
+    std::size_t found = positions.size();
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const Position& point = positions[i];
       const double distance_m = (Eigen::Vector3f(point[0], point[1], point[2]).cast<double>() - at_points).norm();
       if (distance_m > nearest.distance_m) continue;
       nearest.distance_m = distance_m;
-      nearest.value.reset();
-      if (!message.has_values) continue;
-      nearest.value.emplace();
-      glBindBuffer(GL_ARRAY_BUFFER, message.values.name());
-      glGetBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(i * sizeof(float)), sizeof(float), &*nearest.value);
+      found = i;
     }
+    if (found == positions.size()) continue;
+    nearest.value.reset();
+    if (!message.has_values) continue;
+    nearest.value.emplace();
+    glBindBuffer(GL_ARRAY_BUFFER, message.values.name());
+    glGetBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(found * sizeof(float)), sizeof(float), &*nearest.value);
   }
 }
 
