@@ -67,18 +67,19 @@ void DrawAxes(ImDrawList& list, const Frame& frame, double seconds, const std::s
 }
 
 void DrawLine(ImDrawList& list, const Frame& frame, const PlotLine& line) {
-  const NumberSeries::Column* before = nullptr;
-  for (const NumberSeries::Column& column : line.columns) {
+  for (std::size_t i = 0; i < line.columns.size(); ++i) {
+    const NumberSeries::Column& column = line.columns[i];
     const float x = frame.X(column.column);
-    if (before != nullptr && !column.begins) {
-      list.AddLine({frame.X(before->column), frame.Y(before->last)}, {x, frame.Y(column.first)}, line.color, 1.5F);
+    if (i > 0 && !column.begins) {
+      const NumberSeries::Column& before = line.columns[i - 1];
+      list.AddLine({frame.X(before.column), frame.Y(before.last)}, {x, frame.Y(column.first)}, line.color, 1.5F);
     }
+    const bool alone = column.begins && (i + 1 == line.columns.size() || line.columns[i + 1].begins);
     if (column.greatest > column.least) {
       list.AddLine({x, frame.Y(column.least)}, {x, frame.Y(column.greatest)}, line.color, 1.5F);
-    } else if (line.columns.size() < 60) {
+    } else if (alone || line.columns.size() < 60) {
       list.AddCircleFilled({x, frame.Y(column.last)}, 2, line.color, 8);
     }
-    before = &column;
   }
 }
 
