@@ -35,7 +35,7 @@ struct DisplayInputs {
   Session& session;
   std::string channel;
   std::function<void()> wake;
-  std::size_t number = 0;  ///< Number of displays of the same type before it. The scene sets it.
+  std::size_t number = 0;  ///< Differs from that of all other displays of the type. The scene sets it.
 };
 
 /// How long data waits for its transform before that is reported as an error.

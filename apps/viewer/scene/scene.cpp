@@ -26,8 +26,10 @@ Scene::Entry& Scene::Add(const DisplayType& type, const DisplayInputs& inputs) {
   entry.name = inputs.channel.empty() ? type.name : inputs.channel;
   entry.channel = inputs.channel;
   entry.type = &type;
+  const auto has_number = [&](const Entry& other) { return other.type == &type && other.number == entry.number; };
+  while (std::ranges::any_of(entries_, has_number)) ++entry.number;
   DisplayInputs numbered = inputs;
-  numbered.number = static_cast<std::size_t>(std::ranges::count(entries_, &type, &Entry::type));
+  numbered.number = entry.number;
   entry.display = type.make(numbered);
   entries_.push_back(std::move(entry));
   Redraw();

@@ -25,6 +25,7 @@ class Scene {
     std::string name;
     std::string channel;
     const DisplayType* type = nullptr;
+    std::size_t number = 0;  ///< The least that no other display of the type had when this one was added.
     std::unique_ptr<Display> display;
     bool visible = true;
     std::uint64_t dropped_before = 0;         ///< CountDropped.

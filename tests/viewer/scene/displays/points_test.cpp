@@ -381,6 +381,9 @@ TEST_F(PointsDisplayTest, EachScanHasAColorOfItsOwn) {
   EXPECT_EQ(setting(front, "color"), "flat");
   EXPECT_NE(setting(front, "flat"), setting(rear, "flat"));
   EXPECT_FALSE(front.Legend());
+  const std::string color_of_rear = setting(rear, "flat");
+  scene_.Remove(0);
+  EXPECT_NE(setting(Add("Laser scan", "left"), "flat"), color_of_rear) << "also after another was removed";
 }
 
 TEST_F(PointsDisplayTest, CloudsWithColorsStartInTheirColorsUnlessToldOtherwise) {
