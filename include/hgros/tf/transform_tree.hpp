@@ -60,13 +60,14 @@ class HGROS_EXPORT TransformTree {
   [[nodiscard]] std::optional<FrameId> Find(std::string_view name) const noexcept;
   /// Empty for an id of another tree. Valid as long as the tree.
   [[nodiscard]] std::string_view Name(FrameId frame) const noexcept;
-  /// The id of a publisher of transforms, for drawings.
+  /// The id of a publisher of transforms, for drawings and for Set.
   [[nodiscard]] PublisherId Publisher(std::string_view name);
 
   /// Sets one transform: p_parent = T_parent_child * p_child at `stamp`. Stamps may come in any order; an equal stamp
   /// replaces the old transform. In order it takes constant time, out of order the edge's buffer is copied. If all
-  /// stamps of 2 s are more than 1 s before the newest one and do not descend, time has jumped back for this edge, as
-  /// when a recording starts again: the transform replaces all others (SetResult::jumped_back).
+  /// stamps of 2 s, at least one each second, are more than 1 s before the newest one, are of its publisher and do not
+  /// descend, time has jumped back for this edge, as when a recording starts again: the transform replaces all others
+  /// (SetResult::jumped_back).
   SetResult Set(FrameId parent, FrameId child, Time stamp, const RigidTransform& T_parent_child,
                 PublisherId publisher = {});
   SetResult Set(std::string_view parent, std::string_view child, Time stamp, const RigidTransform& T_parent_child,

@@ -152,7 +152,7 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
     if (begins && !written) {
       restarts = true;
       child.time = time;
-      child.jumps.Reset();
+      child.jumps.Begin(value.publisher);
       restarted_edges_.fetch_add(1, std::memory_order_relaxed);
       Rewrite(child, {value.stamp, pose});
     }
@@ -173,10 +173,10 @@ SetResult TreeCore::SetFrames(Frame& parent, Frame& child, const EdgeValue& valu
 
 bool TreeCore::HasJumped(Frame& edge, const EdgeValue& value) noexcept {
   if (value.is_static || value.stamp >= edge.newest) {
-    edge.jumps.Reset();
+    edge.jumps.Begin(value.publisher);
     return false;
   }
-  return edge.jumps.HasJumped(edge.newest, value.stamp, std::chrono::steady_clock::now());
+  return edge.jumps.HasJumped(edge.newest, value.stamp, value.publisher, std::chrono::steady_clock::now());
 }
 
 bool TreeCore::RestartEdge(std::string_view child, std::int64_t possible) noexcept {
@@ -201,6 +201,7 @@ SetFault TreeCore::Connect(Frame& parent, Frame& child, const EdgeValue& value, 
       const std::scoped_lock write(child.write);
       child.time = time_.load(std::memory_order_relaxed);
       BeginEdge(child, value.is_static, limits_, {value.is_static ? 0 : value.stamp, pose});
+      child.jumps.Begin(value.publisher);
       child.publisher.store(value.publisher.value, std::memory_order_relaxed);
     }
     child.parent.store(&parent, std::memory_order_release);
