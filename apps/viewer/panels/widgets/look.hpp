@@ -7,7 +7,7 @@ namespace hgros::viewer {
 /// Which characters can be written. More need time and memory, so they are loaded when they are needed.
 enum class Glyphs : std::uint8_t {
   kLatin,
-  kFont,  ///< All of the font.
+  kFont,  ///< Those of the font, all up to U+FFFF: Debian's ImGui has characters of 16 bits.
   kAll,   ///< Also Chinese, Japanese and Korean, if a font for them is installed.
 };
 
