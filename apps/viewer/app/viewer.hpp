@@ -80,6 +80,7 @@ class Viewer {
   void DrawFrame(double now_s);
   /// Fits fonts and lines to the screen that the window is on now.
   void UpdateScale();
+  void LoadGlyphs(Glyphs glyphs);
   void DrawOverlaysAndPanels();
   /// Returns the display that a user removes, or none.
   [[nodiscard]] std::optional<std::size_t> DrawPanels();
@@ -125,6 +126,7 @@ class Viewer {
   bool show_help_ = false;
   float scale_ = 1;
   Glyphs glyphs_ = Glyphs::kLatin;
+  Glyphs most_glyphs_ = Glyphs::kAll;  ///< The graphics card can hold these.
 
   bool frame_changed_ = false;         ///< The fixed frame is another one since the last turn.
   bool whole_picture_wanted_ = false;  ///< The end is reached once the picture is complete.

@@ -43,14 +43,22 @@ PixelArea Viewer::FreeArea() const {
 void Viewer::UpdateScale() {
   if (surface_.scale() == scale_) return;
   scale_ = surface_.scale();
+  LoadGlyphs(glyphs_);
+  scene_.Redraw();
+}
+
+void Viewer::LoadGlyphs(Glyphs glyphs) {
+  glyphs_ = glyphs;
   SetLook(scale_, glyphs_);
   panels_renderer_.ForgetFont();
-  scene_.Redraw();
 }
 
 void Viewer::DrawOverlaysAndPanels() {
   surface_.BeginPanels();
-  panels_renderer_.Prepare();
+  while (!panels_renderer_.Prepare() && glyphs_ != Glyphs::kLatin) {
+    most_glyphs_ = glyphs_ == Glyphs::kAll ? Glyphs::kFont : Glyphs::kLatin;
+    LoadGlyphs(most_glyphs_);
+  }
   ImGui::NewFrame();
   const float pixels_per_unit = ImGui::GetIO().DisplayFramebufferScale.x;
   DrawLabels(scene_.Labels(), camera_, surface_.size(), pixels_per_unit);
@@ -64,10 +72,8 @@ void Viewer::DrawOverlaysAndPanels() {
   DrawHelp(show_help_);
   ImGui::Render();
   panels_renderer_.Draw();
-  if (glyphs_ != Glyphs::kAll && NeedsMoreGlyphs()) {
-    glyphs_ = glyphs_ == Glyphs::kLatin ? Glyphs::kFont : Glyphs::kAll;
-    SetLook(scale_, glyphs_);
-    panels_renderer_.ForgetFont();
+  if (glyphs_ < most_glyphs_ && NeedsMoreGlyphs()) {
+    LoadGlyphs(glyphs_ == Glyphs::kLatin ? Glyphs::kFont : Glyphs::kAll);
     pace_.WantAfterInput();
   }
   if (remove) scene_.Remove(*remove);  // Its textures were needed until now.

@@ -22,23 +22,32 @@ TEST_F(PanelLines, StatusIsIdleWhileNothingIsDrawn) {
   EXPECT_EQ(StatusText(figures).find("frames/s"), std::string::npos);
 }
 
+/// Whether a text has characters that are not loaded.
+bool NeedsMore(const char* text, Glyphs glyphs) {
+  SetLook(1, glyphs);
+  unsigned char* pixels = nullptr;
+  int width = 0;
+  int height = 0;
+  ImGui::GetIO().Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
+  ImGui::NewFrame();
+  ImGui::GetForegroundDrawList()->AddText({20, 20}, IM_COL32_WHITE, text);
+  ImGui::Render();
+  return NeedsMoreGlyphs();
+}
+
 TEST_F(PanelLines, CharactersThatAreMissingAreLoaded) {
   if (!std::filesystem::exists("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")) GTEST_SKIP() << "no font";
-  const auto needs_more = [](const char* text, Glyphs glyphs) {
-    SetLook(1, glyphs);
-    unsigned char* pixels = nullptr;
-    int width = 0;
-    int height = 0;
-    ImGui::GetIO().Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
-    ImGui::NewFrame();
-    ImGui::GetForegroundDrawList()->AddText({20, 20}, IM_COL32_WHITE, text);
-    ImGui::Render();
-    return NeedsMoreGlyphs();
-  };
-  EXPECT_FALSE(needs_more("\xC3\xA4 ?", Glyphs::kLatin));
-  EXPECT_TRUE(needs_more("\xCE\xA9", Glyphs::kLatin)) << "a Greek letter";
-  EXPECT_FALSE(needs_more("\xCE\xA9 \xD0\x96 \xE2\x89\x88 \xE2\x86\x92", Glyphs::kFont));
-  EXPECT_TRUE(needs_more("\xEE\x80\x80", Glyphs::kFont)) << "no font has it";
+  EXPECT_FALSE(NeedsMore("\xC3\xA4 ?", Glyphs::kLatin));
+  EXPECT_TRUE(NeedsMore("\xCE\xA9", Glyphs::kLatin)) << "a Greek letter";
+  EXPECT_FALSE(NeedsMore("\xCE\xA9 \xD0\x96 \xE2\x89\x88 \xE2\x86\x92", Glyphs::kFont));
+  EXPECT_TRUE(NeedsMore("\xEE\x80\x80", Glyphs::kFont)) << "no font has it";
+}
+
+TEST_F(PanelLines, EastAsianCharactersAreLoaded) {
+  if (!std::filesystem::exists("/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc")) GTEST_SKIP() << "no font";
+  const char* const chinese_japanese_korean = "\xE4\xB8\xAD \xE3\x81\x82 \xED\x95\x9C";
+  EXPECT_TRUE(NeedsMore(chinese_japanese_korean, Glyphs::kFont));
+  EXPECT_FALSE(NeedsMore(chinese_japanese_korean, Glyphs::kAll));
 }
 
 TEST_F(PanelLines, TimeBarShowsItsSpanAndLimit) {

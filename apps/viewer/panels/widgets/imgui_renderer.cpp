@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -34,12 +35,15 @@ void main() { result = color * texture(image, at); }
 
 ImguiRenderer::ImguiRenderer() : program_("panels", "", kVertex, kFragment) {}
 
-void ImguiRenderer::MakeFontTexture() {
+bool ImguiRenderer::MakeFontTexture() {
   unsigned char* pixels = nullptr;
   int width = 0;
   int height = 0;
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.GetTexDataAsAlpha8(&pixels, &width, &height);
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  if (std::max(width, height) > most) return false;
   font_ = GlTexture::New();
   glBindTexture(GL_TEXTURE_2D, font_.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -50,10 +54,7 @@ void ImguiRenderer::MakeFontTexture() {
   glTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, swizzle);
   atlas.SetTexID(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(font_.name())));  // NOLINT: ImGui's way
   atlas.ClearTexData();
-}
-
-void ImguiRenderer::Prepare() {
-  if (!font_) MakeFontTexture();
+  return true;
 }
 
 void ImguiRenderer::Draw() {

@@ -10,15 +10,15 @@ namespace hgros::viewer {
 class ImguiRenderer {
  public:
   ImguiRenderer();
-  /// Call it before each ImGui::NewFrame.
-  void Prepare();
+  /// Call it before each ImGui::NewFrame. Returns whether the graphics card can hold the characters of ImGui's font.
+  [[nodiscard]] bool Prepare() { return font_ || MakeFontTexture(); }
   /// Call it when ImGui has another font.
   void ForgetFont() { font_ = {}; }
   /// Draws the output of ImGui::Render into the bound framebuffer.
   void Draw();
 
  private:
-  void MakeFontTexture();
+  bool MakeFontTexture();
 
   ShaderProgram program_;
   GlTexture font_;

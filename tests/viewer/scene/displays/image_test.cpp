@@ -85,7 +85,7 @@ class ImageDisplayTest : public SceneTest {
       (void)Draw();
       ImGui::GetIO().MousePos = pointer;
       ImGui::GetIO().MouseWheel = frame == 2 ? wheel : 0;
-      renderer.Prepare();
+      EXPECT_TRUE(renderer.Prepare());
       ImGui::NewFrame();
       (void)panel_.Draw(scene_, {4, 4, 312, 232}, 0);
       ImGui::Render();
