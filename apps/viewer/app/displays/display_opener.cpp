@@ -11,8 +11,6 @@
 namespace hgros::viewer {
 namespace {
 
-constexpr std::size_t kMostFound = 32;  // Channels that are shown without being requested.
-
 std::string JoinNames(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
@@ -110,6 +108,14 @@ void DisplayOpener::AddPublished() {
       TryAdd(*type, {row.name, {}, {}});
     }
   }
+}
+
+std::size_t DisplayOpener::CountNotOpened() const {
+  if (!show_found_ || shown_.size() < kMostFound) return 0;
+  return static_cast<std::size_t>(std::ranges::count_if(channels_.published(), [this](const ChannelRow& row) {
+    return DisplayTypeFor(row.schema) != nullptr && !shown_.contains(row.name) &&
+           std::ranges::find(scene_.entries(), row.name, &Scene::Entry::channel) == scene_.entries().end();
+  }));
 }
 
 // The publisher may appear long after the command line was read, so a mistake there does not end the program now.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <set>
 #include <string>
@@ -19,6 +20,8 @@ namespace hgros::viewer {
 /// are found.
 class DisplayOpener {
  public:
+  static constexpr std::size_t kMostFound = 32;  ///< Channels that are shown without being requested.
+
   /// Any thread may call `wake`: a message has arrived.
   DisplayOpener(Session& session, Scene& scene, const ChannelList& channels, Notices& notices,
                 std::function<void()> wake)
@@ -47,6 +50,8 @@ class DisplayOpener {
 
   /// Channels whose schema is not known yet.
   [[nodiscard]] const std::vector<WantedDisplay>& awaited() const noexcept { return awaited_; }
+  /// Number of channels that were found and not opened, because there are too many.
+  [[nodiscard]] std::size_t CountNotOpened() const;
   /// A requested channel could not be shown.
   [[nodiscard]] bool request_failed() const noexcept { return request_failed_; }
   [[nodiscard]] Carried Carry() const { return {awaited_, shown_, keeps_show_found_, {}}; }

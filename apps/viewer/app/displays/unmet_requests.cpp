@@ -5,6 +5,7 @@
 
 #include "hgros/base/names.hpp"
 #include "viewer/app/notices.hpp"
+#include "viewer/data/quantity_text.hpp"
 #include "viewer/panels/view_panel.hpp"
 
 namespace hgros::viewer {
@@ -37,7 +38,8 @@ std::string NeverPublished(const std::string& channel, const ChannelList& channe
 }
 
 /// Returns whether the requested display shows nothing, and prints why.
-bool PrintUnmetDisplay(const Scene::Entry& entry, bool requested, const ChannelList& channels) {
+bool PrintUnmetDisplay(const Scene::Entry& entry, bool requested, const RequestState& state) {
+  const ChannelList& channels = state.channels;
   if (entry.display->HasFault()) {
     Notices::Print(entry.name + ": " + entry.display->Status().front());
     return ShowsNothing(*entry.display);
@@ -46,7 +48,14 @@ bool PrintUnmetDisplay(const Scene::Entry& entry, bool requested, const ChannelL
     Notices::Print(entry.name + ": " + why);
     return true;
   }
-  if (!requested || entry.display->received() > 0) return false;
+  if (!requested) return false;
+  if (entry.display->received() > 0) {
+    const std::vector<std::string> status = entry.display->Status();
+    if (state.options.offscreen && ShowsNothing(*entry.display) && !status.empty()) {
+      Notices::Print(entry.name + ": " + status.front());
+    }
+    return false;
+  }
   const auto row = std::ranges::find(channels.published(), entry.channel, &ChannelRow::name);
   if (row == channels.published().end()) {
     Notices::Print(NeverPublished(entry.channel, channels));
@@ -88,10 +97,14 @@ bool PrintUnmetRequests(const RequestState& state) {
     const bool requested =
         std::ranges::find(state.options.channels, entry.name, &WantedDisplay::channel) != state.options.channels.end();
     if (requested || entry.type == DisplayTypeNamed("Robot model")) {
-      unmet |= PrintUnmetDisplay(entry, requested, state.channels);
+      unmet |= PrintUnmetDisplay(entry, requested, state);
     } else if (state.options.offscreen && entry.visible && !entry.channel.empty()) {
-      (void)PrintUnmetDisplay(entry, true, state.channels);  // It was found, and nobody sees its row.
+      (void)PrintUnmetDisplay(entry, true, state);  // It was found, and nobody sees its row.
     }
+  }
+  if (const std::size_t more = state.displays.CountNotOpened(); state.options.offscreen && more > 0) {
+    Notices::Print(Counted(more, "more channel was", "more channels were") + " found and not opened: at most " +
+                   std::to_string(DisplayOpener::kMostFound) + " are shown without --channel.");
   }
   unmet |= PrintUnmetFrames(state);
   return unmet;
