@@ -1,5 +1,6 @@
 // Programs that speak ZeroMQ and take more than their share at a publish endpoint.
 #include <gtest/gtest.h>
+#include <linux/filter.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -210,8 +211,19 @@ TEST_F(ZmqLimits, AConnectionThatSubscribesToMoreThanTheLimitIsNamedAndStays) {
   EXPECT_EQ(publisher.Overruns(), 1u);
 }
 
+// Some kernels refuse that to users without rights.
+bool MayFilterSockets() {
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sock_filter keeps_all = BPF_STMT(BPF_RET | BPF_K, UINT32_MAX);
+  const sock_fprog filter{1, &keeps_all};
+  const bool may = setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0;
+  close(fd);
+  return may;
+}
+
 // ZeroMQ would end the process if a connection had an error while its messages wait, and a PING were among them.
 TEST_F(ZmqLimits, APingOfAConnectionThatIsResetEndsNothing) {
+  if (!MayFilterSockets()) GTEST_SKIP() << "This kernel refuses socket filters to this user, so ZeroMQ sees resets.";
   std::string frames;
   for (int i = 0; i < 20; ++i) frames += Frame('\1' + PlainTopic("other"));
   for (int i = 0; i < 3; ++i) frames += kPing;
@@ -224,6 +236,7 @@ TEST_F(ZmqLimits, APingOfAConnectionThatIsResetEndsNothing) {
 }
 
 TEST_F(ZmqLimits, APingOfAConnectionThatIsClosedHereEndsNothing) {
+  if (!MayFilterSockets()) GTEST_SKIP() << "This kernel refuses socket filters to this user.";
   std::string frames = Frame("\1not a topic");
   for (int i = 0; i < 20; ++i) frames += Frame('\1' + PlainTopic("other"));
   for (int i = 0; i < 3; ++i) frames += kPing;
