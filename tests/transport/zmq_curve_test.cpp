@@ -24,8 +24,8 @@ struct Keys {
   CurveKeyPair client = GenerateCurveKeyPair();
   CurveKeyPair stranger = GenerateCurveKeyPair();
 
-  [[nodiscard]] ZmqOptions Server() const {
-    ZmqOptions options = test::PublishAt();
+  [[nodiscard]] ZmqOptions Server(const std::string& endpoint = test::kAnyPort) const {
+    ZmqOptions options = test::PublishAt(endpoint);
     options.security = ZmqSecurity{server, {client.public_key}};
     return options;
   }
@@ -59,6 +59,16 @@ TEST(ZmqCurve, SessionsWithTheRightKeysExchangeMessages) {
   ASSERT_EQ(out.Publish(std::string(100'000, 'x')), PublishStatus::kOk);
   EXPECT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
   EXPECT_EQ(server.transport->refused_handshakes(), 0u);
+}
+
+TEST(ZmqCurve, ProtectsAnIp6AddressToo) {
+  if (!test::HasIp6()) GTEST_SKIP() << "no IPv6 here";
+  const Keys keys;
+  Place server(keys.Server("tcp://[::1]:*"));
+  const Place client(keys.Client(keys.client, keys.server, server));
+  const Place stranger(keys.Client(keys.stranger, keys.server, server));
+  EXPECT_TRUE(Eventually([&] { return client.listener.came == 1 && server.transport->refused_handshakes() > 0; }));
+  EXPECT_EQ(stranger.listener.came, 0);
 }
 
 TEST(ZmqCurve, RefusesAndCountsAStrangersKey) {

@@ -1,4 +1,7 @@
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -6,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 
 #include "conformance/tcp_forwarder.hpp"
@@ -90,24 +94,32 @@ TEST(ZmqEndpoint, IsTcpWithoutAScheme) {
   EXPECT_THAT(publisher.Bound(), testing::StartsWith("tcp://127.0.0.1:"));
 }
 
-bool HasIp6() {
-  const int fd = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in6 address{};
-  address.sin6_family = AF_INET6;
-  address.sin6_addr = in6addr_loopback;
-  const bool has = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  close(fd);
-  return has;
+// "[fe80::1%eth0]"; empty: no interface has one.
+std::string LinkLocalAddress() {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return {};
+  std::string found;
+  for (const ifaddrs* one = all; one != nullptr && found.empty(); one = one->ifa_next) {
+    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET6 || (one->ifa_flags & IFF_UP) == 0) continue;
+    const auto* const address = reinterpret_cast<const sockaddr_in6*>(one->ifa_addr);
+    std::array<char, INET6_ADDRSTRLEN> text{};
+    if (!IN6_IS_ADDR_LINKLOCAL(&address->sin6_addr)) continue;
+    inet_ntop(AF_INET6, &address->sin6_addr, text.data(), text.size());
+    found = "[" + std::string(text.data()) + "%" + one->ifa_name + "]";
+  }
+  freeifaddrs(all);
+  return found;
 }
 
 TEST(ZmqEndpoint, MayHaveAnIp6Address) {
-  if (!HasIp6()) GTEST_SKIP() << "no IPv6 here";
-  for (const std::string address : {"[::1]", "[::]"}) {
+  if (!test::HasIp6()) GTEST_SKIP() << "no IPv6 here";
+  for (const std::string& address : {std::string("[::1]"), std::string("[::]"), LinkLocalAddress()}) {
+    if (address.empty()) continue;
     const Place publisher(PublishAt("tcp://" + address + ":*"));
     const std::string bound = publisher.Bound();
     EXPECT_THAT(bound, testing::StartsWith("tcp://" + address + ":"));
     const std::string port = bound.substr(bound.rfind(':'));
-    const Place subscriber(SubscribeAt("tcp://[::1]" + port));
+    const Place subscriber(SubscribeAt("tcp://" + (address == "[::]" ? "[::1]" : address) + port));
     EXPECT_TRUE(test::Await([&] { return subscriber.listener.came == 1 && publisher.listener.came == 1; })) << address;
     if (address != "[::]") continue;
     EXPECT_TRUE(IsReached("tcp://127.0.0.1" + port)) << "all addresses, those of IPv4, too";

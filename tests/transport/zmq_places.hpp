@@ -1,6 +1,9 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <zmq.h>
 
 #include <chrono>
@@ -40,6 +43,17 @@ struct Place : conformance::KeptLog {
 };
 
 constexpr const char* kAnyPort = "tcp://127.0.0.1:*";
+
+/// Whether this host has the loopback of IPv6.
+inline bool HasIp6() {
+  const int fd = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in6 address{};
+  address.sin6_family = AF_INET6;
+  address.sin6_addr = in6addr_loopback;
+  const bool has = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return has;
+}
 
 inline ZmqOptions PublishAt(const std::string& endpoint = kAnyPort) {
   ZmqOptions options;
