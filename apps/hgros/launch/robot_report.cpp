@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kReportSuffix = ".report";
+constexpr std::size_t kMostReports = 32;  // Of a domain. The newest ones stay.
 
 fs::path FolderOfReports() {
   const auto variable = [](const char* name) {
@@ -32,14 +33,12 @@ fs::path FolderOfReports() {
   return state.is_absolute() ? state / "hgros/robots" / DomainName() : fs::path();
 }
 
-// Empty: there is no folder.
-fs::path PathOfReport(const std::string& robot) {
+// Empty: there is no folder. `ending` is ".new" while it is written.
+fs::path PathOfReport(const std::string& robot, std::string_view ending = {}) {
   const fs::path folder = FolderOfReports();
-  return folder.empty() ? folder : folder / (robot + std::string(kReportSuffix));
+  return folder.empty() ? folder : folder / (robot + std::string(kReportSuffix) + std::string(ending));
 }
-
-// While it is written.
-fs::path PathOfNewReport(const std::string& robot) { return PathOfReport(robot) += ".new"; }
+fs::path PathOfNewReport(const std::string& robot) { return PathOfReport(robot, ".new"); }
 
 }  // namespace
 
@@ -55,6 +54,8 @@ std::unique_ptr<MessageStream> BeginReport(const std::string& robot) {
 void KeepReport(const std::string& robot) {
   std::error_code fault;
   fs::rename(PathOfNewReport(robot), PathOfReport(robot), fault);
+  const std::vector<std::string> all = RobotsWithReport();
+  for (std::size_t i = kMostReports; i < all.size(); ++i) RemoveReport(all[i]);
 }
 
 void RemoveReport(const std::string& robot) {

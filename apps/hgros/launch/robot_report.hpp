@@ -17,7 +17,7 @@ namespace hgros::cli {
 
 /// A stream for the units, the log and the end of a robot. Null: no file can be written, so there will be no report.
 [[nodiscard]] std::unique_ptr<MessageStream> BeginReport(const std::string& robot);
-/// The stream has all of it.
+/// The stream has all of it. Of a domain, at most 32 reports stay.
 void KeepReport(const std::string& robot);
 void RemoveReport(const std::string& robot);
 

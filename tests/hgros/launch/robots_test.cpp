@@ -23,6 +23,7 @@
 #include "hgros/launch/robot_folder.hpp"
 #include "processes/message_stream.hpp"
 #include "support/await.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -105,6 +106,15 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStoppedAlsoBesideAnother) {
   EXPECT_THAT(robot.Ask({"stop"}).err,
               HasSubstr("The robot \"robot\" has ended. `hgros logs --robot robot` shows why"));
   EXPECT_THAT(RunToEnd({"stop"}, OwnDomain()).err, HasSubstr("No robot was started here by this user in the domain"));
+}
+
+TEST(HgrosRobots, WithoutAHomeThereIsNoReportAndNoOtherFileIsTouched) {
+  const test::ScratchFolder folder;
+  folder.Write("robot.yaml", "programs: {done: {command: [\"true\"]}}\n");
+  folder.Write(".new", "ours");
+  const CommandEnd end = RunInShell("cd $FOLDER && unset HOME XDG_STATE_HOME && $HGROS run robot.yaml && cat .new",
+                                    {{"FOLDER", folder.path()}});
+  EXPECT_THAT(end, Writes(HasSubstr("ours")));
 }
 
 TEST(HgrosRobots, ADetachedRobotThatDiesLeavesItsReportUntilItsNextStart) {
