@@ -10,6 +10,7 @@ from google.protobuf.message import Message
 from . import _hgros
 from .arguments import check_seconds
 from .callbacks import check_callback
+from .queues import KeepLast, Queue
 
 if TYPE_CHECKING:
     from .component import Context
@@ -30,13 +31,14 @@ class Synchronizer:
     """Calls `callback(one, another, ...)` with messages, one of each channel, whose stamps match (docs/synchronizing.md).
 
     `robot` is a session, or the context of a component. `channels` names two to nine channels; a dict has their types,
-    too. The stamps of a set are at most `tolerance` seconds apart. `depth` messages of a channel wait at most. It may
+    too. The stamps of a set are at most `tolerance` seconds apart. `depth` messages of a channel wait at most for a match,
+    and before that in a queue of each subscription. It may
     only be used where the callbacks of `robot` run.
     """
 
     def __init__(self, robot: Session | Context, channels: Iterable[str] | Mapping[str, type[Message] | None],
                  callback: Callable[..., object], *, tolerance: float = 0.0, depth: int = 16,
-                 stamp: Callable[[Any], int] = stamp_ns) -> None:
+                 stamp: Callable[[Any], int] = stamp_ns, queue: Queue = KeepLast()) -> None:
         check_seconds(tolerance, "tolerance")
         self.channels = tuple(channels)
         check_callback(callback, len(self.channels), "a synchronizer")
@@ -45,8 +47,13 @@ class Synchronizer:
         self._stamp = stamp
         types = channels if isinstance(channels, Mapping) else {}
         subscribe: Any = robot.subscribe
-        self._subscriptions = [subscribe(channel, types.get(channel), self._receiver(index))
-                               for index, channel in enumerate(self.channels)]
+        self._subscriptions: list[Any] = []
+        try:
+            for index, channel in enumerate(self.channels):
+                self._subscriptions.append(subscribe(channel, types.get(channel), self._receiver(index), queue=queue))
+        except BaseException:
+            self.end()
+            raise
 
     def _receiver(self, index: int) -> Callable[[Any, _hgros.MessageInfo], None]:
         def receive(message: Any, info: _hgros.MessageInfo) -> None:
