@@ -69,6 +69,28 @@ TEST_F(SynchronizerTest, GoesOnAfterAnException) {
   EXPECT_EQ(calls, 5);
 }
 
+TEST_F(SynchronizerTest, CallsBackOnceAtATimeInTheOrderOfTheStamps) {
+  constexpr int kMessages = 2000;
+  std::atomic<int> inside{0};
+  std::atomic<int> wrong{0};
+  std::int64_t last = -1;
+  const auto check = [&](const std::shared_ptr<const Log>&, const std::shared_ptr<const Mark>& mark) {
+    if (++inside != 1 || mark->at_ns <= last) ++wrong;
+    last = mark->at_ns;
+    --inside;
+  };
+  const NodeOptions lossless{.queue = Queue::KeepAll(kMessages)};
+  const Synchronizer<Log, Mark> sets(session, {"log", "mark"}, {.depth = kMessages}, check, lossless);
+  std::jthread logs([&] {
+    for (int i = 0; i < kMessages; ++i) PublishLog(i);
+  });
+  for (int i = 0; i < kMessages; ++i) PublishMark(i);
+  logs.join();
+  ASSERT_TRUE(session.WaitIdle(test::kPatience));
+  EXPECT_EQ(sets.counts(0).matched, static_cast<std::uint64_t>(kMessages));
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST_F(SynchronizerTest, MayEndInItsCallback) {
   std::atomic<int> calls{0};
   std::unique_ptr<Synchronizer<Log, Mark>> sets;
