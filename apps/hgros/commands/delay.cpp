@@ -94,7 +94,8 @@ class Delay final : public MeasureCommand {
            "way from publish to the receiving process, and in the node's queue. The receivers count this, so no "
            "message is received. --receive measures the way to this command instead. Differences between the clocks "
            "of hosts are corrected as far as they are known. --match shows how well a synchronizer of the channels "
-           "would match: how many messages are in sets, and how far each stamp is after the first one of its set.";
+           "would match: how many messages are in sets, and how far each stamp is after the first one of its set. For "
+           "types without a field timestamp it takes the time of publishing.";
   }
   [[nodiscard]] std::vector<Example> Examples() const override {
     return {{"hgros delay scan --once", "Shows how long messages take to each receiver."},

@@ -72,8 +72,9 @@ int main() {
   wanted.set_mps(3);
   limiter.Feed("wanted", wanted);
   const auto allowed = limiter.Take<$NAME_messages::Speed>("allowed");
-  std::printf("%zu speed, %.1f m/s\n", allowed.size(), allowed.back()->mps());
-  return allowed.size() == 1 && allowed.back()->mps() == 0.2 ? 0 : 1;
+  const bool limited = allowed.size() == 1 && allowed[0]->mps() == 0.2;
+  std::puts(limited ? "3 m/s became 0.2 m/s" : "3 m/s did not become 0.2 m/s");
+  return limited ? 0 : 1;
 }
 )"},
     {"robot.yaml", R"(components:
