@@ -102,8 +102,12 @@ std::string LinkLocalAddress() {
   for (const ifaddrs* one = all; one != nullptr && found.empty(); one = one->ifa_next) {
     if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET6 || (one->ifa_flags & IFF_UP) == 0) continue;
     const auto* const address = reinterpret_cast<const sockaddr_in6*>(one->ifa_addr);
-    std::array<char, INET6_ADDRSTRLEN> text{};
     if (!IN6_IS_ADDR_LINKLOCAL(&address->sin6_addr)) continue;
+    const int fd = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const bool usable = bind(fd, one->ifa_addr, sizeof *address) == 0;  // Not while it is tried out.
+    close(fd);
+    if (!usable) continue;
+    std::array<char, INET6_ADDRSTRLEN> text{};
     inet_ntop(AF_INET6, &address->sin6_addr, text.data(), text.size());
     found = "[" + std::string(text.data()) + "%" + one->ifa_name + "]";
   }
