@@ -1,6 +1,7 @@
 #include "hgros/session/node_timer.hpp"
 
 #include "hgros/clock/derived_clocks.hpp"
+#include "hgros/session/session_parts.hpp"
 #include "session/session_fixture.hpp"
 #include "support/error_of.hpp"
 
@@ -103,6 +104,32 @@ TEST(NodeTimer, ReportsTheTurnsThatPassedWhileItsCallbackRan) {
   EXPECT_EQ(ticks.all().at(1).planned, Time{0} + 50ms) << "the latest one waits";
   EXPECT_EQ(ticks.all().at(1).missed, 3U);
   EXPECT_EQ(timer.stats().dropped, 3U);
+}
+
+TEST(NodeTimer, HasItsTurnAfterOneCallbackOfEachNodeThatIsAlwaysBusy) {
+  const auto clock = SimulatedClock::Paused();
+  const auto session = SessionOn(clock, "data_graph: {threads: 1}");
+  Door door;
+  std::atomic<int> begun{0};
+  std::atomic<int> begun_before{-1};
+  std::vector<Subscription> busy;
+  for (const std::string channel : {"left", "right"}) {
+    busy.push_back(session->FromGraph<int>(channel, Invoke::kSerial,
+                                           [&](const int&) {
+                                             ++begun;
+                                             door.Pass();
+                                             Linger(2ms);  // Longer than a turn.
+                                           },
+                                           {.queue = Queue::KeepAll(100)}));
+    for (int i = 0; i < 100; ++i) (void)session->ToGraph(channel, std::make_unique<int>(i));
+  }
+  const NodeTimer timer = session->CreateTimer("control", 10ms, [&](const Tick&) { begun_before = begun.load(); });
+  ASSERT_TRUE(Await([&] { return begun == 1; }));
+  clock->Step(10ms);
+  (void)SessionParts(*session).SettleTimers();
+  door.Open();
+  ASSERT_TRUE(Await([&] { return begun_before >= 0; }));
+  EXPECT_LE(begun_before, 2);
 }
 
 TEST(NodeTimer, IsConfiguredAndCountedLikeAnyNode) {

@@ -12,6 +12,7 @@
 
 #include "graph/exit_on_worker.hpp"
 #include "graph/nodes/node_setting.hpp"
+#include "graph/nodes/spin_then_lock.hpp"
 #include "hgros/base/system_limits.hpp"
 #include "hgros/base/thread_local.hpp"
 #include "hgros/clock/time.hpp"
@@ -20,8 +21,9 @@
 namespace hgros {
 namespace {
 
-int WorkerCount(int wanted) {
-  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
+std::size_t WorkerCount(int wanted) {
+  return static_cast<std::size_t>(wanted > 0 ? wanted
+                                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1));
 }
 
 }  // namespace
@@ -44,7 +46,7 @@ TbbExecutor::Share::Limit& TbbExecutor::Share::limit() {
   return *limit;
 }
 
-TbbExecutor::Share::Share(int workers) : workers_(static_cast<std::size_t>(workers)) {
+TbbExecutor::Share::Share(std::size_t workers) : workers_(workers) {
   const std::scoped_lock lock(limit().mutex);
   limit().workers += workers_;
   limit().Apply();
@@ -91,27 +93,42 @@ class TbbExecutor::Chain {
 };
 
 struct TbbExecutor::Enqueued {
-  // ThreadSanitizer does not see how TBB passes this object to another thread; the ticket's flag shows it for all
-  // other data.
-  __attribute__((no_sanitize("thread"))) void operator()() const { executor.RunEnqueued(ticket); }
-  // Nor does it see earlier uses of the object's memory. A separate function, so that a report names TBB's function,
-  // which is suppressed.
+  // ThreadSanitizer does not see how TBB passes this object to another thread, nor earlier uses of its memory.
+  // A separate function, so that a report names TBB's function, which is suppressed.
+  __attribute__((no_sanitize("thread"))) void operator()() const { executor.RunEnqueued(); }
   __attribute__((no_sanitize("thread"), noinline)) static void HandOver(tbb::task_arena& arena,
                                                                         const Enqueued& enqueued) {
     arena.enqueue(enqueued);
   }
-  const TbbExecutor& executor;
-  Ticket& ticket;
+  TbbExecutor& executor;
 };
 
-void TbbExecutor::Run(Activation& activation) const {
+void TbbExecutor::PushReady(std::shared_ptr<Activation> activation) {
+  std::unique_lock lock(ready_mutex_, std::defer_lock);
+  SpinThenLock(lock);
+  ready_.push_back(std::move(activation));
+#ifdef __SANITIZE_THREAD__
+  puts_.fetch_add(1, std::memory_order_release);
+#endif
+}
+
+// There is one: each task comes after what was put with it, and takes one.
+void TbbExecutor::RunNext() {
+#ifdef __SANITIZE_THREAD__
+  (void)puts_.load(std::memory_order_acquire);
+#endif
+  std::unique_lock lock(ready_mutex_, std::defer_lock);
+  SpinThenLock(lock);
+  const std::shared_ptr<Activation> next = std::move(ready_.front());
+  ready_.pop_front();
+  lock.unlock();
   const OnWorker on_worker;
-  if (!one_worker_) {
-    activation.Activate();
+  if (workers_ > 1) {
+    next->Activate();
     return;
   }
   Chain chain(*this);
-  activation.Activate();
+  next->Activate();
   chain.Run();
 }
 
@@ -156,10 +173,9 @@ void TbbExecutor::StartWorkers() {
 }
 
 TbbExecutor::TbbExecutor(int threads)
-    : one_worker_(WorkerCount(threads) == 1), share_(WorkerCount(threads)), arena_(WorkerCount(threads), 0) {
-  const std::string count = std::to_string(WorkerCount(threads));
-  RequireThreads(static_cast<std::size_t>(WorkerCount(threads)),
-                 "the " + count + " workers of the data graph (data_graph: {threads: " + count + "})");
+    : workers_(WorkerCount(threads)), share_(workers_), arena_(static_cast<int>(workers_), 0) {
+  const std::string count = std::to_string(workers_);
+  RequireThreads(workers_, "the " + count + " workers of the data graph (data_graph: {threads: " + count + "})");
   PrepareForExitOnWorker();
   arena_.execute([this] { graph_ = std::make_unique<tbb::flow::graph>(); });
   StartWorkers();
@@ -176,13 +192,14 @@ TbbExecutor::~TbbExecutor() {
 TbbExecutor::FlowNode& TbbExecutor::AcquireFlowNode() {
   const std::scoped_lock lock(mutex_);
   if (free_.empty()) {
-    // By value, so that the token itself is read inside TBB's code, which put it there.
-    nodes_.push_back(std::make_unique<FlowNode>(*graph_, tbb::flow::unlimited, [this](Token token) noexcept {
-      (void)token->handed_over.load(std::memory_order_acquire);
-      const std::shared_ptr<Activation> activation = std::move(token->activation);
-      if (token->owned) delete token;
-      Run(*activation);
-      return tbb::flow::continue_msg();
+    nodes_.push_back(std::make_unique<FlowNode>(*graph_, tbb::flow::unlimited, [this](Token) noexcept {
+      // A callback that waits in parallel code of its own runs such tasks inside, but never those that were enqueued.
+      if (OnWorker::Is()) {
+        EnqueueTask();
+      } else {
+        RunNext();
+      }
+      return Token();
     }));
     return *nodes_.back();
   }
@@ -192,31 +209,22 @@ TbbExecutor::FlowNode& TbbExecutor::AcquireFlowNode() {
 }
 
 void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation) {
-  auto ticket = std::make_unique<Ticket>();
-  ticket->owned = true;
-  Put(node, std::move(activation), *ticket.release());  // An unlimited node accepts every token.
-}
-
-void TbbExecutor::Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket) {
-  ticket.activation = std::move(activation);
-  ticket.handed_over.store(true, std::memory_order_release);
-  node.try_put(&ticket);
+  PushReady(std::move(activation));
+  node.try_put(Token());  // An unlimited node accepts every token.
 }
 
 void TbbExecutor::Enqueue(std::shared_ptr<Activation> activation) {
-  auto ticket = std::make_unique<Ticket>();
-  ticket->activation = std::move(activation);
-  ticket->handed_over.store(true, std::memory_order_release);
-  graph_->reserve_wait();
-  Enqueued::HandOver(arena_, {*this, *ticket.release()});
+  PushReady(std::move(activation));
+  EnqueueTask();
 }
 
-void TbbExecutor::RunEnqueued(Ticket& ticket) const {
-  {
-    const std::unique_ptr<Ticket> owned(&ticket);
-    (void)ticket.handed_over.load(std::memory_order_acquire);
-    Run(*ticket.activation);
-  }
+void TbbExecutor::EnqueueTask() {
+  graph_->reserve_wait();
+  Enqueued::HandOver(arena_, {*this});
+}
+
+void TbbExecutor::RunEnqueued() {
+  RunNext();
   tbb::flow::graph& graph = *graph_;
 #ifdef __SANITIZE_THREAD__
   runs_ended_.fetch_add(1, std::memory_order_release);
@@ -225,7 +233,7 @@ void TbbExecutor::RunEnqueued(Ticket& ticket) const {
 }
 
 bool TbbExecutor::KeepForThisThread(const std::shared_ptr<Activation>& activation) const {
-  return ReadyNodeSlot::TryKeep(activation, slot_taken_) || (one_worker_ && Chain::Add(*this, activation));
+  return ReadyNodeSlot::TryKeep(activation, slot_taken_) || (workers_ == 1 && Chain::Add(*this, activation));
 }
 
 void TbbExecutor::ReleaseFlowNode(FlowNode& node) {

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -30,15 +31,9 @@ class Activation {
 // its node when our own counters say that it is done.
 class TbbExecutor {
  public:
-  // What a flow-graph node gets: the activation to run. TBB guarantees that everything before Put() happens before the
-  // body; `handed_over` shows it to ThreadSanitizer.
-  struct Ticket {
-    std::shared_ptr<Activation> activation;
-    std::atomic<bool> handed_over{false};
-    bool owned = false;  // Made by Put(), deleted by the body.
-  };
-  using Token = Ticket*;
-  using FlowNode = tbb::flow::function_node<Token, tbb::flow::continue_msg>;
+  // One token for each activation that waits.
+  using Token = tbb::flow::continue_msg;
+  using FlowNode = tbb::flow::function_node<Token, Token>;
 
   // Starts the workers. Throws Error if the system gives no threads for them.
   explicit TbbExecutor(int threads);
@@ -46,11 +41,9 @@ class TbbExecutor {
 
   FlowNode& AcquireFlowNode();
   void ReleaseFlowNode(FlowNode& node);
-  static void Put(FlowNode& node, std::shared_ptr<Activation> activation);
-  // The same with the caller's ticket; the caller keeps it until the activation has started.
-  static void Put(FlowNode& node, std::shared_ptr<Activation> activation, Ticket& ticket);
-
-  // Queues behind everything that other threads have put. A Put() on a worker would run before these.
+  // Both queue the activation behind all that were put before, on whatever thread. TBB gets a task for each; which task
+  // runs which activation does not matter, because TBB keeps the order of tasks only nearly, and this queue strictly.
+  void Put(FlowNode& node, std::shared_ptr<Activation> activation);
   void Enqueue(std::shared_ptr<Activation> activation);
 
   // Keeps the activation on the calling thread if this thread runs it soon; then Put() is not needed. It is kept in
@@ -58,12 +51,13 @@ class TbbExecutor {
   // and it saves TBB's overhead between tasks.
   [[nodiscard]] bool KeepForThisThread(const std::shared_ptr<Activation>& activation) const;
   [[nodiscard]] bool slot_taken() const noexcept { return slot_taken_->load(std::memory_order_relaxed); }
+  [[nodiscard]] std::size_t workers() const noexcept { return workers_; }
 
  private:
   // The share of one executor in the limit that TBB has for all threads of the process.
   class Share {
    public:
-    explicit Share(int workers);
+    explicit Share(std::size_t workers);
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
     ~Share();
@@ -77,16 +71,22 @@ class TbbExecutor {
   class Chain;
   struct Enqueued;
   void StartWorkers();
-  void Run(Activation& activation) const;
-  void RunEnqueued(Ticket& ticket) const;
+  void PushReady(std::shared_ptr<Activation> activation);
+  void EnqueueTask();
+  void RunNext();
+  void RunEnqueued();
 
 #ifdef __SANITIZE_THREAD__
-  // Shows that what was enqueued has used this object before its end, which waits inside TBB, where TSan does not look.
-  mutable std::atomic<std::size_t> runs_ended_{0};
+  // ThreadSanitizer does not look inside TBB, which runs a task after it was put, and ends after all tasks have run.
+  std::atomic<std::size_t> puts_{0};
+  std::atomic<std::size_t> runs_ended_{0};
 #endif
-  const bool one_worker_;
+  const std::size_t workers_;
   const Share share_;
   tbb::task_arena arena_;
+  // Declared before the graph, whose end waits for tasks.
+  std::mutex ready_mutex_;
+  std::deque<std::shared_ptr<Activation>> ready_;  // guarded by ready_mutex_
   std::unique_ptr<tbb::flow::graph> graph_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<FlowNode>> nodes_;

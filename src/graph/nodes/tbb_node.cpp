@@ -1,5 +1,6 @@
 #include "graph/nodes/tbb_node.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "graph/nodes/spin_then_lock.hpp"
@@ -12,15 +13,15 @@ TbbNode::TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executo
       executor_(executor),
       flow_node_(executor.AcquireFlowNode()) {}
 
-// A token that is still in flight does no harm if another node gets the flow-graph node: each token contains what it
-// starts.
+// A token that is still in flight does no harm if another node gets the flow-graph node: it only says that a node is
+// ready.
 void TbbNode::Close(bool wait) {
   QueuedNode::Close(wait);
   if (!flow_node_given_.exchange(true)) executor_.ReleaseFlowNode(flow_node_);
 }
 
 bool TbbNode::NeedsWake() {
-  const std::size_t wanted = setting().invoke == Invoke::kSerial ? 1 : RunnableHere();
+  const std::size_t wanted = setting().invoke == Invoke::kSerial ? 1 : std::min(RunnableHere(), executor_.workers());
   const std::size_t tokens = tokens_.load(std::memory_order_relaxed);
   if (tokens >= wanted) return false;
   tokens_.store(tokens + 1, std::memory_order_relaxed);
@@ -29,12 +30,7 @@ bool TbbNode::NeedsWake() {
 
 void TbbNode::Wake() noexcept {
   auto self = std::static_pointer_cast<TbbNode>(shared_from_this());
-  if (executor_.KeepForThisThread(self)) return;
-  if (setting().invoke == Invoke::kSerial) {
-    TbbExecutor::Put(flow_node_, std::move(self), ticket_);
-  } else {
-    TbbExecutor::Put(flow_node_, std::move(self));
-  }
+  if (!executor_.KeepForThisThread(self)) executor_.Put(flow_node_, std::move(self));
 }
 
 void TbbNode::HandToWorkers() noexcept { executor_.Enqueue(std::static_pointer_cast<TbbNode>(shared_from_this())); }
@@ -49,7 +45,14 @@ void TbbNode::Activate() noexcept {
   std::unique_lock lock(mutex_, std::defer_lock);
   SpinThenLock(lock);
   if (setting().invoke == Invoke::kConcurrent) {
-    tokens_.store(tokens_.load(std::memory_order_relaxed) - 1, std::memory_order_relaxed);
+    const std::size_t tokens = tokens_.load(std::memory_order_relaxed);
+    if (RunnableHere() > tokens && !closed_) {
+      lock.unlock();
+      HandToWorkers();
+      SpinThenLock(lock);
+    } else {
+      tokens_.store(tokens - 1, std::memory_order_relaxed);
+    }
     RunSome(lock, 1, now);
     return;
   }

@@ -9,7 +9,8 @@
 namespace hgros {
 
 // Runs its callback on the work-stealing workers. Serial: at most one token is in flight, which empties the ring.
-// Concurrent: one token per waiting message.
+// Concurrent: one token per waiting message, but at most as many as there are workers, so that other nodes are not
+// behind all of its messages.
 class TbbNode final : public QueuedNode, public Activation {
  public:
   TbbNode(NodeSetting setting, AnyCallback callback, TbbExecutor& executor);
@@ -29,7 +30,6 @@ class TbbNode final : public QueuedNode, public Activation {
 
   TbbExecutor& executor_;
   TbbExecutor::FlowNode& flow_node_;
-  TbbExecutor::Ticket ticket_;  // For a serial node, which has at most one token in flight.
   std::atomic<bool> flow_node_given_{false};
   // Tokens in flight (serial), or in flight and not started (concurrent). Written under mutex_.
   std::atomic<std::size_t> tokens_{0};
