@@ -56,9 +56,16 @@ int PortOf(const RobotFile& robot, const RobotHost& host, const RobotUnit& unit)
   return port;
 }
 
+bool HasIpv6(const RobotHost& host) { return host.address.find(':') != std::string::npos; }
+
+// Where others reach the host.
 std::string EndpointOf(const RobotHost& host, int port) {
-  const bool ip6 = host.address.find(':') != std::string::npos;
-  return "tcp://" + (ip6 ? "[" + host.address + "]" : host.address) + ":" + std::to_string(port);
+  return "tcp://" + (HasIpv6(host) ? "[" + host.address + "]" : host.address) + ":" + std::to_string(port);
+}
+
+// All addresses of the host, since others may reach it by another than its own.
+std::string PublisherEndpointOf(const RobotHost& host, int port) {
+  return (HasIpv6(host) ? "tcp://[::]:" : "tcp://*:") + std::to_string(port);
 }
 
 // What the file says of the process must not contradict what is derived.
@@ -116,7 +123,8 @@ std::string NetworkOf(const RobotFile& robot, const RobotGraph& graph, const Rob
   if (const RobotProcess* process = robot.FindProcess(unit.name)) RequireRoom(*process, host, !published.empty(), port);
   std::string yaml = "network:\n";
   if (!published.empty()) {
-    yaml += "  publisher: {ip: \"tcp://*:" + std::to_string(port) + "\", channels: " + ListOf(published) + "}\n";
+    yaml +=
+        "  publisher: {ip: " + InQuotes(PublisherEndpointOf(host, port)) + ", channels: " + ListOf(published) + "}\n";
   }
   if (!subscribers.empty()) yaml += "  subscribers:\n" + subscribers;
   if (host.key.empty()) return yaml;

@@ -66,7 +66,7 @@ TEST_F(HostNetworksTest, HaveExactlyTheChannelsThatTheOtherHostUses) {
                              "    - {ip: \"tcp://[fe80::2]:6000\", channels: [\"hgros/call/plan\"]}\n"},
                             {"mapper",
                              "network:\n"
-                             "  publisher: {ip: \"tcp://*:6000\", channels: [\"hgros/call/plan\"]}\n"
+                             "  publisher: {ip: \"tcp://[::]:6000\", channels: [\"hgros/call/plan\"]}\n"
                              "  subscribers:\n"
                              "    - {ip: \"tcp://10.0.0.1:5651\", channels: [\"hgros/call/plan\", \"image\"]}\n"}}));
   const RobotGraph graph(robot_, descriptions_);
@@ -141,7 +141,7 @@ TEST_F(HostNetworksTest, ProgramsHaveWhatTheySayThatTheyExchange) {
   EXPECT_EQ(networks.count("silent"), 0U);
   EXPECT_EQ(networks.at("screen"),
             "network:\n"
-            "  publisher: {ip: \"tcp://*:6001\", channels: [\"hgros/call/zoom\"]}\n"
+            "  publisher: {ip: \"tcp://[::]:6001\", channels: [\"hgros/call/zoom\"]}\n"
             "  subscribers:\n"
             "    - {ip: \"tcp://10.0.0.1:5651\", channels: [\"image\", \"unused\"]}\n"
             "    - {ip: \"tcp://10.0.0.1:5653\", channels: [\"hgros/call/zoom\"]}\n");

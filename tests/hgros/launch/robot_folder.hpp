@@ -108,7 +108,9 @@ class RunningRobot : public RobotFolder, public CommandRun {
 /// Two hosts with keys: "desk", where the robot is at home, and "base".
 class RobotWithKeys : public RobotFolder {
  public:
-  RobotWithKeys() : RobotWithKeys(GenerateCurveKeyPair(), GenerateCurveKeyPair()) {}
+  /// ssh connects to 10.198.0.2.
+  explicit RobotWithKeys(const std::string& desk_address = "10.198.0.1", const std::string& base_address = "10.198.0.2")
+      : RobotWithKeys(desk_address, GenerateCurveKeyPair(), base_address, GenerateCurveKeyPair()) {}
   /// Before, its host cannot read it.
   void WriteKey(const std::string& host) const {
     Write(host + ".key", host == "desk" ? desk_ : base_);
@@ -116,10 +118,11 @@ class RobotWithKeys : public RobotFolder {
   }
 
  private:
-  RobotWithKeys(const CurveKeyPair& desk, const CurveKeyPair& base)
-      : RobotFolder("hosts:\n  desk: {address: 10.198.0.1, home: true, key: \"" + desk.public_key +
-                    "\", secret_key_file: \"${FOLDER}/desk.key\"}\n  base: {address: 10.198.0.2, key: \"" +
-                    base.public_key +
+  RobotWithKeys(const std::string& desk_address, const CurveKeyPair& desk, const std::string& base_address,
+                const CurveKeyPair& base)
+      : RobotFolder("hosts:\n  desk: {address: \"" + desk_address + "\", home: true, key: \"" + desk.public_key +
+                    "\", secret_key_file: \"${FOLDER}/desk.key\"}\n  base: {address: \"" + base_address +
+                    "\", ssh: 10.198.0.2, key: \"" + base.public_key +
                     "\", secret_key_file: \"${FOLDER}/base.key\"}\n"
                     "discovery: {local: false}\n"
                     "components: {numbers: {type: relay/Numbers}, one: {type: relay/Checker}}\n"

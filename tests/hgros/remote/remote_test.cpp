@@ -119,6 +119,19 @@ TEST_F(HgrosRemote, HostsWithKeysExchangeMessages) {
   EXPECT_THAT(run->out(), HasSubstr("It has finished: all 100"));
 }
 
+TEST_F(HgrosRemote, HostsWithKeysExchangeMessagesOverIpv6) {
+  const auto& cable = host_.cable;
+  if (!test::Ip("-n " + cable.left + " addr add fd00:198::1/64 nodad dev " + cable.left_interface) ||
+      !test::Ip("-n " + cable.right + " addr add fd00:198::2/64 nodad dev " + cable.right_interface)) {
+    GTEST_SKIP() << "This system has no IPv6.";
+  }
+  const RobotWithKeys robot("fd00:198::1", "fd00:198::2");
+  for (const char* host : {"desk", "base"}) robot.WriteKey(host);
+  const auto run = host_.Run(robot);
+  EXPECT_EQ(run->Wait(), 0) << run->out() << run->err();
+  EXPECT_THAT(run->out(), HasSubstr("It has finished: all 100"));
+}
+
 TEST_F(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
   const RobotFolder robot(std::string(kHosts) +
                           "components:\n"
