@@ -170,8 +170,9 @@ void InboundChannels::Close() {
     bridge = bridge_;
     for (auto& [name, inflow] : inflows_) inlets.push_back(inflow.inlet);
   }
-  // While a callback runs, the goodbye waits for it. So the publishers hear of each end before, and wait for nobody:
-  // but for a callback that begins now.
+  // After Leave(), peers learn that the subscriptions end from the goodbye only, and Detach() waits for running
+  // callbacks before it. So while a callback runs, End() comes first, and no lossless publisher waits for the callback.
+  // This does not hold for a callback that begins after the check.
   const bool busy = std::ranges::any_of(inlets, [](const auto& inlet) { return inlet->busy(); });
   if (bridge != nullptr && !busy) bridge->Leave();
   for (const auto& inlet : inlets) inlet->End();

@@ -5,7 +5,7 @@
 
 namespace hgros::viewer {
 
-/// What is farther from everything else is malformed.
+/// A point or box that is farther than this from the others has malformed coordinates.
 inline constexpr double kFarFromOthersMeters = 1e6;
 
 /// The place that most boxes are near: the median of their middles, and how far from it a box may reach.

@@ -20,7 +20,7 @@ struct ImagePicture {
   std::vector<std::uint8_t> rgba;  ///< 4 bytes per pixel.
   std::vector<std::uint8_t> gray;  ///< 1 byte per pixel.
   std::string encoding;            ///< Its name in the message.
-  /// What is wrong with the file, as a sentence, although a part of it is shown. Empty: nothing.
+  /// One sentence about a damaged file of which only a part is shown. Empty: the file is undamaged.
   std::string damage;
   /// For images of measurements (16UC1, 32FC1) and mono16: the values of the lowest and the highest color.
   std::optional<double> least, greatest;
