@@ -68,8 +68,9 @@ class TfSvg final : public Command {
     Robot robot(options_, surroundings);
     Frames frames(robot);
     frames.Collect(options_.Timeout(kArrival));
-    if (frames.tree().Edges().empty()) throw Error("No session sends transforms, so there is nothing to draw.");
-    WriteTo(surroundings.console, file_, DrawSvg(frames.tree().Edges(), frames.Now()));
+    const std::vector<EdgeSnapshot> edges = frames.tree().Edges();
+    if (edges.empty()) throw Error("No session sends transforms, so there is nothing to draw.");
+    WriteTo(surroundings.console, file_, DrawSvg(edges, frames.Now()));
     return kDone;
   }
 

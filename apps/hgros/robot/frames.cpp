@@ -74,7 +74,8 @@ void WriteFrames(Robot& robot, const RobotOptions& options) {
       robot.surroundings().console.Say("No session sends transforms. Sessions of other hosts are met with --connect.");
     }
   }
-  const Time now = frames.Now();
+  const std::vector<EdgeSnapshot> edges = frames.tree().Edges();
+  const Time now = frames.Now();  // After the edges, so that a transform that just came is not younger than 0 s.
   Records records(robot.surroundings().console, options.style,
                   {{"frame", "FRAME"},
                    {"parent", ""},
@@ -83,7 +84,7 @@ void WriteFrames(Robot& robot, const RobotOptions& options) {
                    {"age_ns", "AGE", true},
                    {"publisher", "PUBLISHER"}});
   std::map<std::string, std::size_t> depths;
-  for (const EdgeSnapshot& edge : frames.tree().Edges()) {
+  for (const EdgeSnapshot& edge : edges) {
     const auto [parent, is_root] = depths.try_emplace(edge.parent, 0);
     if (is_root) records.Add({edge.parent, {}, {}, {}, {}, {}});
     const std::size_t depth = parent->second + 1;
