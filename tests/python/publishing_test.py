@@ -53,6 +53,11 @@ class Publishing(RobotTest):
                 # For the bytes that protobuf makes, and not for those that are published.
                 resource.setrlimit(resource.RLIMIT_AS, (used + SIZE * 3 // 2, resource.RLIM_INFINITY))
                 try:
+                    bytes(SIZE * 2)
+                    raise SystemExit("no limit")
+                except MemoryError:
+                    pass
+                try:
                     publish(image)
                 except hgros.PublishError as fault:
                     print(fault)
@@ -61,6 +66,8 @@ class Publishing(RobotTest):
             """)
         ended = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, timeout=60,
                                env={**os.environ, "MALLOC_ARENA_MAX": "1"})  # Others would take address space.
+        if ended.stderr == "no limit\n":
+            self.skipTest("This system does not limit the address space.")  # qemu
         self.assertEqual(ended.stdout, 'Nothing was published on channel "image": There is no memory to write the '
                                        'message for other sessions.\n', ended.stderr)
         self.assertEqual(ended.returncode, 0)
