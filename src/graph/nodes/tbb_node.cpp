@@ -53,7 +53,7 @@ void TbbNode::Activate() noexcept {
     } else {
       tokens_.store(tokens - 1, std::memory_order_relaxed);
     }
-    RunSome(lock, 1, now);
+    RunSome(lock, kTurn, now, now + kTurnNs);
     return;
   }
   RunSome(lock, kTurn, now, now + kTurnNs);

@@ -85,6 +85,39 @@ TEST(Executor, RunsAnotherNodeWhenEachOfTheBusyOnesHadATurn) {
   }
 }
 
+// Else it would fall behind: serial nodes run many short callbacks in a turn, too.
+TEST(Executor, AConcurrentNodeRunsManyShortCallbacksInATurn) {
+  constexpr int kMessages = 1000;
+  DataGraph graph(Workers(1));
+  Door door;
+  const auto first = graph.FromGraph<int>("first", Invoke::kSerial, [&](const int&) { door.Pass(); });
+  (void)graph.ToGraph("first", std::make_unique<int>(0));
+  std::atomic<int> turns{0};
+  std::atomic<int> turns_until_end{-1};
+  std::atomic<int> left{kMessages};
+  const NodeOptions keep_all = Options(Executor::Tbb(), Queue::KeepAll(kMessages));
+  const auto serial = graph.FromGraph<int>(
+      "serial", Invoke::kSerial,
+      [&](const int&) {
+        ++turns;
+        Linger(std::chrono::milliseconds(2));  // Longer than a turn.
+      },
+      keep_all);
+  const auto concurrent = graph.FromGraph<int>(
+      "concurrent", Invoke::kConcurrent,
+      [&](const int&) {
+        if (--left == 0) turns_until_end = turns.load();
+      },
+      keep_all);
+  for (int i = 0; i < kMessages; ++i) {
+    (void)graph.ToGraph("serial", std::make_unique<int>(i));
+    (void)graph.ToGraph("concurrent", std::make_unique<int>(i));
+  }
+  door.Open();
+  ASSERT_TRUE(Await([&] { return turns_until_end >= 0; }));
+  EXPECT_LT(turns_until_end, kMessages / 2);
+}
+
 TEST(Executor, LogsRefusedSchedulingAndRunsWithoutIt) {
   Heard heard;
   DataGraph graph({}, heard.MakeLog());
