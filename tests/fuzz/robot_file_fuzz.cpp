@@ -44,7 +44,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         Require(robot.FindComponent(name) != nullptr && robot.FindComponent(name)->process == process.name);
       }
     }
-    Require(!robot.components.empty() && placed.size() == robot.components.size());
+    Require(placed.size() == robot.components.size());
+    Require(!robot.components.empty() || !robot.programs.empty());
     for (const hgros::RobotProgram& program : robot.programs) Require(!program.command.empty());
   } catch (const hgros::ConfigError&) {
     accepted = false;
