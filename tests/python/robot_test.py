@@ -143,7 +143,7 @@ class Tf(RobotTest):
 
     def test_failed_lookup_says_why(self):
         robot = self.session()
-        with self.assertRaisesRegex(hgros.TransformError, "No transforms received yet: .* Look it up with a timeout."):
+        with self.assertRaisesRegex(hgros.TransformError, "No transforms received yet: .* Pass a timeout to wait."):
             robot.transforms.lookup("map", "base")
         robot.transforms.send("map", "base", pose(1), 10**9)
         for target, source, stamp, fault in (("map", "lase", None, "unknown frame"), ("map", "base", 1, "too old"),

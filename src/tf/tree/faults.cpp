@@ -69,7 +69,7 @@ TransformFailure Unknown(const FrameTable& frames, std::string_view name) {
   const std::vector<std::string> known = KnownNames(frames);
   if (known.empty()) {
     failure.text =
-        "No transforms received yet: a session listens from its first use of them on. Look it up with a timeout.";
+        "No transforms received yet: a session listens from its first use of them on. Pass a timeout to wait.";
     return failure;
   }
   failure.nearest_name = NearestName(name, known);

@@ -67,7 +67,7 @@ TEST(TransformTree, TravelsThroughAFixedFrame) {
 TEST(TransformTree, NamesTheNearestKnownFrame) {
   TransformTree tree;
   EXPECT_EQ(tree.Lookup("map", "base").text(),
-            "No transforms received yet: a session listens from its first use of them on. Look it up with a timeout.");
+            "No transforms received yet: a session listens from its first use of them on. Pass a timeout to wait.");
   ASSERT_TRUE(tree.Set("map", "base_link", At(1), Shift(1)));
   const auto found = tree.Lookup("map", "base_lnk");
   EXPECT_EQ(found.fault(), TransformFault::kUnknownFrame);
