@@ -62,8 +62,9 @@ def _program() -> str:
 class Session:
     """One participant of the robot's hypergraph.
 
-    `file` is a configuration (docs/configuration.md), `text` the same as YAML; without either the session has
-    that of the variable HGROS_CONFIG, which `hgros run` gives to programs, or the default. `sections` are top-level keys of the file that belong to the program. Any thread may use it.
+    `file` is a configuration (docs/configuration.md), `text` the same as YAML; without either the session has that of
+    the variable HGROS_CONFIG, which `hgros run` gives to programs, or the default. `sections` are top-level keys of
+    the file that belong to the program. Any thread may use it.
 
     Callbacks run on the thread that calls `spin`, on the thread that `start` makes, or in asyncio with `spin_async`;
     never on a thread of the library. Close it, best with a `with` block; at the end of the program it is closed.

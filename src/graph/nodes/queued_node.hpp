@@ -64,7 +64,7 @@ class QueuedNode : public Node {
   static constexpr int kPauses = 400;        // A few microseconds.
 
   [[nodiscard]] std::size_t QueuedInFront() const noexcept { return front_.size() - next_in_front_; }
-  // One wake-up for each message that waits: a concurrent node runs one message per wake-up.
+  // One wake-up for each message that waits: the wake-ups of a concurrent node run on several threads.
   void WakeForWaiting();
   // Reserves room; the lock is held.
   [[nodiscard]] bool ReserveHere(std::size_t bytes) noexcept;
