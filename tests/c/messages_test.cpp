@@ -182,17 +182,16 @@ TEST_F(CMessages, AnotherSessionsMessagesOfAnotherTypeAreCountedAndReported) {
   const auto numbers = TextSchema("number");
   const auto queue = Queue(session, "words", 0, numbers.get());
   std::atomic<bool> told{false};
-  const auto watching = Opened<hgros_watch_close>(
-      hgros_watch_peers, session.get(),
-      [](void* user, int32_t event, const hgros_peer* peer, const char* channel, const char* reason) {
-        if (event != HGROS_PEER_TYPE_MISMATCH) return;
-        EXPECT_STREQ(channel, "words");
-        EXPECT_STREQ(peer->process, "other");
-        EXPECT_NE(std::string(reason).find("text"), std::string::npos) << reason;
-        EXPECT_NE(std::string(reason).find("number"), std::string::npos) << reason;
-        *static_cast<std::atomic<bool>*>(user) = true;
-      },
-      &told, nullptr);
+  const auto check_event = [](void* user, int32_t event, const hgros_peer* peer, const char* channel,
+                              const char* reason) {
+    if (event != HGROS_PEER_TYPE_MISMATCH) return;
+    EXPECT_STREQ(channel, "words");
+    EXPECT_STREQ(peer->process, "other");
+    EXPECT_NE(std::string(reason).find("text"), std::string::npos) << reason;
+    EXPECT_NE(std::string(reason).find("number"), std::string::npos) << reason;
+    *static_cast<std::atomic<bool>*>(user) = true;
+  };
+  const auto watching = Opened<hgros_watch_close>(hgros_watch_peers, session.get(), check_event, &told, nullptr);
   const auto other = OpenOther();
   const auto publisher = Publisher(other, "words", text);
   ASSERT_TRUE(Await([&] {

@@ -86,12 +86,10 @@ TEST_F(CProcesses, SlowLosslessTakerHoldsThePublisherBackAndMissesNothing) {
 TEST_F(CProcesses, KilledLosslessSubscriberFreesThePublisher) {
   const auto publisher = Publisher(session, "words", text);
   std::atomic<bool> gone{false};
-  const auto watching = Opened<hgros_watch_close>(
-      hgros_watch_peers, session.get(),
-      [](void* user, int32_t event, const hgros_peer*, const char*, const char*) {
-        if (event == HGROS_PEER_GONE) *static_cast<std::atomic<bool>*>(user) = true;
-      },
-      &gone, nullptr);
+  const auto note_gone = [](void* user, int32_t event, const hgros_peer*, const char*, const char*) {
+    if (event == HGROS_PEER_GONE) *static_cast<std::atomic<bool>*>(user) = true;
+  };
+  const auto watching = Opened<hgros_watch_close>(hgros_watch_peers, session.get(), note_gone, &gone, nullptr);
   Peer peer({"hold", "words"});
   ASSERT_EQ(hgros_session_wait_for_subscribers(session.get(), "words", 1, kPatienceNs), HGROS_OK);
   ASSERT_TRUE(Await([&] { return Publish(publisher, "x") == HGROS_FULL; }));

@@ -1,4 +1,3 @@
-
 #include "c/c_fixture.hpp"
 
 namespace hgros::test {
@@ -57,14 +56,13 @@ void SubscribeAndCloseInside(Fixture& fixture, std::int32_t executor) {
   Program& program = fixture.program;
   auto options = Sized<hgros_subscribe_options>();
   options.executor = executor;
-  ASSERT_EQ(hgros_subscribe(
-                program.session, "words", &options,
-                [](void* user, const hgros_message*) {
-                  auto& of = *static_cast<Program*>(user);
-                  ++of.calls;
-                  hgros_subscription_close(of.subscription);
-                },
-                &program, &Program::Release, &program.subscription),
+  const auto close_itself = [](void* user, const hgros_message*) {
+    auto& of = *static_cast<Program*>(user);
+    ++of.calls;
+    hgros_subscription_close(of.subscription);
+  };
+  ASSERT_EQ(hgros_subscribe(program.session, "words", &options, close_itself, &program, &Program::Release,
+                            &program.subscription),
             HGROS_OK);
   const PublisherHandle publisher(PublisherOf(fixture));
   ASSERT_EQ(Publish(publisher, "go"), HGROS_OK);
@@ -96,13 +94,11 @@ TEST_P(CRelease, OfACallbackThatRanMayCloseTheSession) {
 TEST(CReleaseElsewhere, CallbackMayCloseTheSessionBeforeItReturns) {
   Fixture& fixture = NewFixture(CloseSession);
   Program& program = fixture.program;
-  ASSERT_EQ(hgros_subscribe(
-                program.session, "words", nullptr,
-                [](void* user, const hgros_message*) {
-                  EXPECT_EQ(CloseTransforms(*static_cast<Program*>(user)), HGROS_WOULD_DEADLOCK);
-                  Program::Release(user);
-                },
-                &program, nullptr, &program.subscription),
+  const auto close_session = [](void* user, const hgros_message*) {
+    EXPECT_EQ(CloseTransforms(*static_cast<Program*>(user)), HGROS_WOULD_DEADLOCK);
+    Program::Release(user);
+  };
+  ASSERT_EQ(hgros_subscribe(program.session, "words", nullptr, close_session, &program, nullptr, &program.subscription),
             HGROS_OK);
   const PublisherHandle publisher(PublisherOf(fixture));
   EXPECT_EQ(Publish(publisher, "go"), HGROS_OK);
@@ -157,12 +153,10 @@ TEST(CReleaseElsewhere, OfBorrowedBytesMayCloseTheSession) {
   Fixture& fixture = NewFixture(CloseSession);
   Program& program = fixture.program;
   std::atomic<bool> sent{false};
-  ASSERT_EQ(hgros_subscribe(
-                program.session, "words", nullptr,
-                [](void* user, const hgros_message*) {
-                  EXPECT_TRUE(Await([&] { return static_cast<std::atomic<bool>*>(user)->load(); }));
-                },
-                &sent, nullptr, &program.subscription),
+  const auto wait_until_sent = [](void* user, const hgros_message*) {
+    EXPECT_TRUE(Await([&] { return static_cast<std::atomic<bool>*>(user)->load(); }));
+  };
+  ASSERT_EQ(hgros_subscribe(program.session, "words", nullptr, wait_until_sent, &sent, nullptr, &program.subscription),
             HGROS_OK);
   hgros_publisher* const publisher = PublisherOf(fixture);
   ASSERT_EQ(hgros_publish_borrowed(publisher, "x", 1, &program, &Program::Release, 0), HGROS_OK);

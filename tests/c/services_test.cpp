@@ -1,4 +1,3 @@
-
 #include "c/c_fixture.hpp"
 
 namespace hgros::test {
@@ -37,13 +36,12 @@ class CServices : public CTest {
   }
   // Serves "slow", whose replies are empty and come once the door is open.
   ServiceHandle ServeBehind(Door& door, const SessionHandle& on) {
-    return Opened<hgros_service_close>(
-        hgros_serve, on.get(), "slow", text.get(), text.get(), nullptr,
-        [](void* user, const hgros_message*, hgros_reply* reply) {
-          static_cast<Door*>(user)->Pass();
-          EXPECT_EQ(hgros_reply_set(reply, nullptr, 0), HGROS_OK);
-        },
-        &door, nullptr);
+    const auto answer = [](void* user, const hgros_message*, hgros_reply* reply) {
+      static_cast<Door*>(user)->Pass();
+      EXPECT_EQ(hgros_reply_set(reply, nullptr, 0), HGROS_OK);
+    };
+    return Opened<hgros_service_close>(hgros_serve, on.get(), "slow", text.get(), text.get(), nullptr, answer, &door,
+                                       nullptr);
   }
   hgros_status Later(const char* name, Ended& ended, hgros_pending_call** call) {
     return hgros_call_later(session.get(), name, text.get(), "later", 5, nullptr, -1, &Ended::Note, &ended,

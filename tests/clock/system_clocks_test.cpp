@@ -8,13 +8,11 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <thread>
-#include <vector>
 
+#include "clock/lines.hpp"
 #include "clock/wall_jump_watch.hpp"
 #include "clock/wall_offset.hpp"
 #include "hgros/base/error.hpp"
@@ -51,26 +49,8 @@ TEST(WallJumpWatch, CallsBackWhenTheClockWasSet) {
   }
 }
 
-class Lines {
- public:
-  [[nodiscard]] LogSink Sink() {
-    return [this](LogLevel, std::string_view text) {
-      const std::scoped_lock lock(mutex_);
-      lines_.emplace_back(text);
-    };
-  }
-  [[nodiscard]] std::vector<std::string> all() {
-    const std::scoped_lock lock(mutex_);
-    return lines_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::string> lines_;
-};
-
 TEST(SystemClock, WorksUnwatchedUntilItCanBeWatched) {
-  Lines lines;
+  test::Lines lines;
   const auto clock = std::make_shared<SystemClock>(lines.Sink());
   std::atomic<int> turns{0};
   std::optional<TimerQueue> timers;

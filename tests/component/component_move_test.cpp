@@ -4,8 +4,6 @@
 
 #include <stdexcept>
 
-#include <foxglove/PoseInFrame.pb.h>
-
 #include "component/components_fixture.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/component/component.hpp"

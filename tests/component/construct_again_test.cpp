@@ -5,13 +5,10 @@
 #include <random>
 #include <stdexcept>
 
-#include <foxglove/PoseInFrame.pb.h>
-
 #include "component/components_fixture.hpp"
 #include "hgros/base/error.hpp"
 #include "hgros/component/component.hpp"
 #include "hgros/component/component_error.hpp"
-#include "hgros/component/components.hpp"
 
 namespace hgros::test {
 namespace {

@@ -4,7 +4,6 @@
 
 #include <stdexcept>
 
-#include <foxglove/PoseInFrame.pb.h>
 #include <foxglove/Vector3.pb.h>
 
 #include "component/components_fixture.hpp"
@@ -161,17 +160,9 @@ TEST(Context, TellsExceptionsOfTimersAndHandlers) {
   Process process;
   (void)AddTo(process);
   process.components->Join();
-  auto result = process.session
-                    .Call<PoseInFrame, PoseInFrame>(
-                        "echo",
-                        [] {
-                          PoseInFrame request;
-                          request.set_frame_id("throw");
-                          return request;
-                        }(),
-                        5s)
-                    .Wait();
-  EXPECT_FALSE(result);
+  PoseInFrame request;
+  request.set_frame_id("throw");
+  EXPECT_FALSE((process.session.Call<PoseInFrame, PoseInFrame>("echo", request, 5s).Wait()));
   EXPECT_EQ(process.Status("all").exception, "no echo");
   process.components->Start();
   EXPECT_TRUE(Await([&] { return process.Status("all").exception == "no tick"; }));

@@ -2,19 +2,13 @@
 
 #include <gmock/gmock.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <memory>
-#include <mutex>
-#include <vector>
 
 #include <foxglove/PoseInFrame.pb.h>
 
 #include "graph/graph_fixture.hpp"
 #include "hgros/codec/message.hpp"
-#include "hgros/graph/data_graph.hpp"
-#include "support/await.hpp"
 
 namespace hgros::test {
 namespace {

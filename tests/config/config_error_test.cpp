@@ -2,7 +2,6 @@
 #include <sys/stat.h>
 
 #include "config/config_fixture.hpp"
-#include "config/fixture_file.hpp"
 #include "hgros/config/check.hpp"
 #include "hgros/yaml/document.hpp"
 #include "support/error_of.hpp"

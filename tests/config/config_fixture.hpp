@@ -2,15 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "hgros/base/error.hpp"
 #include "hgros/config/config.hpp"
+#include "support/path.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace hgros::test {
+
+/// A file in tests/config/yaml.
+inline std::filesystem::path FixtureFile(std::string_view name) {
+  return std::filesystem::path(Path("fixtures")) / name;
+}
 
 /// Expects that `load` throws a ConfigError at `where` whose text has all `parts`.
 template <typename Load>

@@ -1,11 +1,8 @@
 #include "hgros/config/config.hpp"
 
 #include <cstdlib>
-#include <string>
-#include <vector>
 
 #include "config/config_fixture.hpp"
-#include "config/fixture_file.hpp"
 
 namespace hgros {
 namespace {

@@ -43,22 +43,18 @@ TEST_P(CauseInGraph, IsTheMessageInWhoseCallbackAnotherIsPublished) {
   Infos infos;
   const auto map = graph.Advertise<int>("map");
   const auto plan = graph.Advertise<int>("plan");
-  const auto on_scan = graph.FromGraph<int>(
-      "scan", kSerial,
-      [&](const int& value, const MessageInfo& info) {
-        infos.Add("scan", info);
-        EXPECT_EQ(Cause::Here().message, info.key);
-        map(value);
-        EXPECT_EQ(Cause::Here().message, info.key) << "an inline callback of map has ended";
-      },
-      Options(executor()));
-  const auto on_map = graph.FromGraph<int>(
-      "map", kSerial,
-      [&](const int& value, const MessageInfo& info) {
-        infos.Add("map", info);
-        plan(value);
-      },
-      Options(executor()));
+  const auto handle_scan = [&](const int& value, const MessageInfo& info) {
+    infos.Add("scan", info);
+    EXPECT_EQ(Cause::Here().message, info.key);
+    map(value);
+    EXPECT_EQ(Cause::Here().message, info.key) << "an inline callback of map has ended";
+  };
+  const auto on_scan = graph.FromGraph<int>("scan", kSerial, handle_scan, Options(executor()));
+  const auto handle_map = [&](const int& value, const MessageInfo& info) {
+    infos.Add("map", info);
+    plan(value);
+  };
+  const auto on_map = graph.FromGraph<int>("map", kSerial, handle_map, Options(executor()));
   const auto on_plan = graph.FromGraph<int>("plan", kSerial, infos.Of("plan"), Options(executor()));
   const std::int64_t before = MonotonicNow();
   ASSERT_EQ(graph.ToGraph("scan", std::make_unique<int>(1)), PublishStatus::kOk);
@@ -84,14 +80,12 @@ TEST_P(CauseInGraph, OfAWaitingOrLatchedPublishIsTheSame) {
   const auto map = graph.Advertise<int>("map", 3);
   const auto plan = graph.Advertise<int>("plan");
   const auto on_plan = graph.FromGraph<int>("plan", kSerial, infos.Of("plan"), Options(executor(), Queue::KeepAll(4)));
-  const auto on_scan = graph.FromGraph<int>(
-      "scan", kSerial,
-      [&](const int& value, const MessageInfo& info) {
-        map(value);
-        plan(value);
-        infos.Add("scan", info);
-      },
-      Options(executor()));
+  const auto handle_scan = [&](const int& value, const MessageInfo& info) {
+    map(value);
+    plan(value);
+    infos.Add("scan", info);
+  };
+  const auto on_scan = graph.FromGraph<int>("scan", kSerial, handle_scan, Options(executor()));
   (void)graph.ToGraph("scan", std::make_unique<int>(1));
   ASSERT_TRUE(Await([&] { return infos.at("plan").has_value() && infos.at("scan").has_value(); }));
   EXPECT_EQ(infos.at("plan")->cause.message, infos.at("scan")->key);
@@ -132,13 +126,11 @@ TEST(ChainAges, AreCountedByTheOriginOfTheChain) {
   const auto plan = graph.Advertise<int>("plan");
   const auto on_plan = graph.FromGraph<int>(
       "plan", kSerial, [](const int&) {}, Options(Executor::Inline(), {}, "driver"));
-  const auto slow = graph.FromGraph<int>(
-      "scan", kSerial,
-      [&](const int& value) {
-        Linger(std::chrono::milliseconds(20));
-        plan(value);
-      },
-      Options(Executor::Inline()));
+  const auto plan_slowly = [&](const int& value) {
+    Linger(std::chrono::milliseconds(20));
+    plan(value);
+  };
+  const auto slow = graph.FromGraph<int>("scan", kSerial, plan_slowly, Options(Executor::Inline()));
   for (int i = 0; i < 3; ++i) (void)graph.ToGraph("scan", std::make_unique<int>(i));
   plan(7);
   const std::vector<ChainAges> ages = on_plan.stats().ages;

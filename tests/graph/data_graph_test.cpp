@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "graph/graph_fixture.hpp"
-#include "hgros/base/error.hpp"
 #include "support/error_of.hpp"
 
 namespace hgros::test {
@@ -41,13 +40,11 @@ TEST_P(EveryExecutor, AllNodesGetTheSameObjectWithoutCopies) {
   std::multiset<const Counted*> seen;
   std::vector<Subscription> subscriptions;
   for (const Invoke invoke : {Invoke::kSerial, Invoke::kConcurrent}) {
-    subscriptions.push_back(graph.FromGraph<Counted>(
-        "c", invoke,
-        [&](std::shared_ptr<const Counted> message) {
-          const std::scoped_lock lock(mutex);
-          seen.insert(message.get());
-        },
-        Options(executor())));
+    const auto keep_address = [&](std::shared_ptr<const Counted> message) {
+      const std::scoped_lock lock(mutex);
+      seen.insert(message.get());
+    };
+    subscriptions.push_back(graph.FromGraph<Counted>("c", invoke, keep_address, Options(executor())));
   }
   auto message = std::make_unique<Counted>();
   const Counted* address = message.get();
@@ -69,15 +66,14 @@ TEST_P(EveryExecutor, SerialNodesKeepEachPublishersOrder) {
     std::atomic<int> overlaps{0};
     std::atomic<int> count{0};
     const std::string channel = "order" + std::to_string(threads);
-    const auto subscription = graph.FromGraph<std::pair<int, int>>(
-        channel, Invoke::kSerial,
-        [&](const std::pair<int, int>& message) {
-          if (inside.fetch_add(1) != 0) ++overlaps;
-          got[static_cast<std::size_t>(message.first)].push_back(message.second);
-          inside.fetch_sub(1);
-          ++count;
-        },
-        Options(executor(), Queue::KeepAll(100000)));
+    const auto check_order = [&](const std::pair<int, int>& message) {
+      if (inside.fetch_add(1) != 0) ++overlaps;
+      got[static_cast<std::size_t>(message.first)].push_back(message.second);
+      inside.fetch_sub(1);
+      ++count;
+    };
+    const auto subscription = graph.FromGraph<std::pair<int, int>>(channel, Invoke::kSerial, check_order,
+                                                                   Options(executor(), Queue::KeepAll(100000)));
     InThreads(threads, kEach, [&](int t, int i) {
       EXPECT_EQ(graph.ToGraph(channel, std::make_unique<std::pair<int, int>>(t, i)), PublishStatus::kOk);
     });
@@ -94,13 +90,12 @@ TEST_P(EveryExecutor, ConcurrentNodesGetEveryMessageOnce) {
     std::vector<std::atomic<int>> got(static_cast<std::size_t>(threads * kEach));
     std::atomic<int> count{0};
     const std::string channel = "all" + std::to_string(threads);
-    const auto subscription = graph.FromGraph<int>(
-        channel, Invoke::kConcurrent,
-        [&](const int& message) {
-          ++got[static_cast<std::size_t>(message)];
-          ++count;
-        },
-        Options(executor(), Queue::KeepAll(100000)));
+    const auto count_each = [&](const int& message) {
+      ++got[static_cast<std::size_t>(message)];
+      ++count;
+    };
+    const auto subscription =
+        graph.FromGraph<int>(channel, Invoke::kConcurrent, count_each, Options(executor(), Queue::KeepAll(100000)));
     InThreads(threads, kEach, [&](int t, int i) {
       EXPECT_EQ(graph.ToGraph(channel, std::make_unique<int>(t * kEach + i)), PublishStatus::kOk);
     });
@@ -129,13 +124,11 @@ TEST_P(EveryExecutor, SlowKeepLastNodeGetsTheNewestAndCountsDrops) {
   DataGraph graph;
   Door door;
   Collected got;
-  const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int& value) {
-        got.Add(value);
-        door.Pass();
-      },
-      Options(executor(), Queue::KeepLast(3)));
+  const auto hold = [&](const int& value) {
+    got.Add(value);
+    door.Pass();
+  };
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kSerial, hold, Options(executor(), Queue::KeepLast(3)));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(0)), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return got.size() == 1; }));
   for (int i = 1; i <= 10; ++i) EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(i)), PublishStatus::kOk);
@@ -176,15 +169,13 @@ TEST(DataGraph, InlineSerialNodeGetsItsOwnMessageAfterItReturns) {
   Collected got;
   int depth = 0;
   int deepest = 0;
-  const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int& value) {
-        deepest = std::max(deepest, ++depth);
-        got.Add(value);
-        if (value < 5) (void)graph.ToGraph("c", std::make_unique<int>(value + 1));
-        --depth;
-      },
-      Options(Executor::Inline()));
+  const auto publish_next = [&](const int& value) {
+    deepest = std::max(deepest, ++depth);
+    got.Add(value);
+    if (value < 5) (void)graph.ToGraph("c", std::make_unique<int>(value + 1));
+    --depth;
+  };
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kSerial, publish_next, Options(Executor::Inline()));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(0)), PublishStatus::kOk);
   EXPECT_EQ(got.values(), Counting(0, 6));
   EXPECT_EQ(deepest, 1);
@@ -211,13 +202,11 @@ TEST(DataGraph, ClosedChannelDeliversRemoteMessagesOnly) {
   DataGraph graph;
   graph.SetClosed("c", true);
   Collected got;
-  const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int& value, const MessageInfo& info) {
-        EXPECT_EQ(info.remote, value == 7);
-        got.Add(value);
-      },
-      Options(Executor::Inline()));
+  const auto collect = [&](const int& value, const MessageInfo& info) {
+    EXPECT_EQ(info.remote, value == 7);
+    got.Add(value);
+  };
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kSerial, collect, Options(Executor::Inline()));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(1)), PublishStatus::kOk);
   Channel& channel = graph.Open("c", TypeOf<int>(), CallSite::Current());
   DataGraph::Inject(channel, std::make_shared<const int>(7), TypeOf<int>(), MessageInfo{}, nullptr, 0);
@@ -354,13 +343,12 @@ TEST(DataGraph, MovesFromAMessageOnlyIfItIsTaken) {
   DataGraph graph;
   CountingDoor door;
   std::vector<const char*> seen;
-  const auto subscription = graph.FromGraph<std::string>(
-      "c", Invoke::kSerial,
-      [&](const std::string& message) {
-        door.Pass();
-        seen.push_back(message.data());
-      },
-      Options(Executor::Tbb(), Queue::KeepAll(1)));
+  const auto hold = [&](const std::string& message) {
+    door.Pass();
+    seen.push_back(message.data());
+  };
+  const auto subscription =
+      graph.FromGraph<std::string>("c", Invoke::kSerial, hold, Options(Executor::Tbb(), Queue::KeepAll(1)));
   const auto publish = graph.Advertise<std::string>("c");
   std::vector<const char*> sent;
   std::string message;

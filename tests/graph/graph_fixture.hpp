@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -11,30 +10,15 @@
 #include <thread>
 #include <vector>
 
+#include "clock/lines.hpp"
 #include "hgros/graph/data_graph.hpp"
 #include "support/await.hpp"
 
 namespace hgros::test {
 
 /// Keeps the lines that the graph logs.
-class Heard {
- public:
-  [[nodiscard]] std::shared_ptr<Log> MakeLog() {
-    return std::make_shared<Log>([this](LogLevel, std::string_view text) {
-      const std::scoped_lock lock(mutex_);
-      lines_.emplace_back(text);
-    });
-  }
-  [[nodiscard]] bool Contains(std::string_view part) const { return Count(part) > 0; }
-  [[nodiscard]] std::size_t Count(std::string_view part) const {
-    const std::scoped_lock lock(mutex_);
-    return static_cast<std::size_t>(
-        std::ranges::count_if(lines_, [&](const std::string& line) { return line.find(part) != std::string::npos; }));
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<std::string> lines_;
+struct Heard : Lines {
+  [[nodiscard]] std::shared_ptr<Log> MakeLog() { return std::make_shared<Log>(Sink()); }
 };
 
 /// Collects ints from callbacks.

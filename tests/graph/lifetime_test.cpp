@@ -120,14 +120,12 @@ TEST_P(LifetimeOnEveryExecutor, JoinWaitsForTheCallbackThatEndedTheSubscription)
   std::atomic<bool> returned{false};
   std::optional<Subscription> subscription;
   const auto publish = graph.Advertise<int>("c");
-  subscription.emplace(graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int&) {
-        subscription->Reset();
-        door.Pass();
-        returned = true;
-      },
-      Options(executor())));
+  const auto end_itself = [&](const int&) {
+    subscription->Reset();
+    door.Pass();
+    returned = true;
+  };
+  subscription.emplace(graph.FromGraph<int>("c", Invoke::kSerial, end_itself, Options(executor())));
   std::jthread publisher([&] { (void)publish(std::make_unique<int>(1)); });
   ASSERT_TRUE(door.AwaitOne());
   std::jthread opener([&] { door.Open(); });

@@ -27,14 +27,12 @@ class PublishOrder : public testing::TestWithParam<Invoke> {
   }
   // An inline node that answers each number below `end` with the next one.
   void CountOn(std::string_view channel, Publisher<int> answer, int end, Queue queue = {}) {
-    nodes_.push_back(graph_.FromGraph<int>(
-        channel, GetParam(),
-        [answer, end](int value) {
-          if (value < end) {
-            EXPECT_EQ(answer(value + 1), PublishStatus::kOk);
-          }
-        },
-        Options(Executor::Inline(), queue)));
+    const auto answer_next = [answer, end](int value) {
+      if (value < end) {
+        EXPECT_EQ(answer(value + 1), PublishStatus::kOk);
+      }
+    };
+    nodes_.push_back(graph_.FromGraph<int>(channel, GetParam(), answer_next, Options(Executor::Inline(), queue)));
   }
   // A handle that also publishes to other sessions.
   Publisher<int> ToBorder(std::string_view channel) {

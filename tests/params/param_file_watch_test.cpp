@@ -1,16 +1,14 @@
 #include "hgros/params/param_file_watch.hpp"
 
 #include <atomic>
-#include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <mutex>
 #include <optional>
 #include <random>
 #include <stdexcept>
-#include <string>
-#include <string_view>
 
+#include "clock/lines.hpp"
 #include "params/params_fixture.hpp"
 #include "support/await.hpp"
 #include "support/few_descriptors.hpp"
@@ -236,19 +234,12 @@ TEST_F(ParamFileWatchTest, ReloadsChangesMadeBeforeItStarted) {
 TEST_F(ParamFileWatchTest, ContinuesWhenItsCallbackThrows) {
   const auto file = Write("robot.yaml", "a: 1\n");
   ParamServer params({{file}});
-  std::mutex mutex;
-  std::string said;
+  test::Lines lines;
   const ParamFileWatch watch(
-      params, [](const ParamResult&) { throw std::runtime_error("as it is meant to"); },
-      [&](LogLevel, std::string_view text) {
-        const std::scoped_lock lock(mutex);
-        said = text;
-      });
+      params, [](const ParamResult&) { throw std::runtime_error("as it is meant to"); }, lines.Sink());
   Write("robot.yaml", "a: 2\n");
-  EXPECT_TRUE(test::Await([&] {
-    const std::scoped_lock lock(mutex);
-    return said == "The callback for reloaded parameters threw: as it is meant to";
-  }));
+  ASSERT_TRUE(test::Await([&] { return !lines.all().empty(); }));
+  EXPECT_EQ(lines.all().back(), "The callback for reloaded parameters threw: as it is meant to");
   Write("robot.yaml", "a: 3\n");
   EXPECT_TRUE(test::Await([&] { return params.Get<int>("a") == 3; }));
 }

@@ -5,10 +5,9 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <mutex>
-#include <string>
 #include <vector>
 
+#include "clock/lines.hpp"
 #include "params/params_fixture.hpp"
 #include "support/await.hpp"
 
@@ -90,19 +89,10 @@ TEST_F(ParamSourcesTest, AnArgumentIsTheTextOfAParameterThatIsAText) {
 
 /// The parameters of a program, and its log.
 struct Program {
-  explicit Program(ParamSources sources)
-      : params(std::make_unique<ParamServer>(std::move(sources),
-                                             [this](LogLevel, std::string_view line) { Keep(line); })) {}
-  void Keep(std::string_view line) {
-    const std::scoped_lock lock(mutex);
-    lines.emplace_back(line);
-  }
-  [[nodiscard]] std::size_t said() {
-    const std::scoped_lock lock(mutex);
-    return lines.size();
-  }
-  std::mutex mutex;
-  std::vector<std::string> lines;
+  explicit Program(ParamSources sources) : params(std::make_unique<ParamServer>(std::move(sources), log.Sink())) {}
+  [[nodiscard]] std::size_t said() const { return log.all().size(); }
+
+  test::Lines log;
   std::unique_ptr<ParamServer> params;
 };
 
@@ -126,7 +116,7 @@ TEST_F(ParamSourcesTest, OverridesThatNobodyDeclaresAreLoggedOnceWithTheNearestN
   EXPECT_TRUE(test::Await([&] { return program.said() > 0; }));
   program.params.reset();
   ASSERT_EQ(program.said(), 1U);
-  EXPECT_EQ(program.lines[0],
+  EXPECT_EQ(program.log.all()[0],
             "Parameters are set that this program has not declared so far: --param slam.speeed (did you mean "
             "slam.speed?), --param other, HGROS_PARAM_slam__rang (did you mean slam.range?).");
 }

@@ -5,8 +5,6 @@
 
 #include <array>
 #include <future>
-#include <optional>
-#include <thread>
 
 #include <hgros/Params.pb.h>
 
@@ -147,28 +145,19 @@ class OfferedParams : public RemoteParamsTest {
 };
 
 TEST_F(OfferedParams, AWatchOfAPathThatDoesNotExistIsLoggedOnceWithTheNearestOne) {
-  std::mutex mutex;
-  std::vector<std::string> lines;
-  RemoteParams params(*other_.session, "robot", kPatience, [&](LogLevel, std::string_view line) {
-    const std::scoped_lock lock(mutex);
-    lines.emplace_back(line);
-  });
-  const auto said = [&] {
-    const std::scoped_lock lock(mutex);
-    return lines.size();
-  };
+  test::Lines lines;
+  RemoteParams params(*other_.session, "robot", kPatience, lines.Sink());
   std::atomic<int> changes{0};
   const auto count = [&](const ParamEvent&) { ++changes; };
   const auto everything = params.Watch("", count);
   const auto map = params.Watch("slam.matcher", count);
   const auto wrong = params.Watch("slam.macher", count);
-  EXPECT_TRUE(Await([&] { return changes == 3 && said() == 1; })) << "each watch begins with all values";
+  EXPECT_TRUE(Await([&] { return changes == 3 && lines.all().size() == 1; })) << "each watch begins with all values";
   EXPECT_TRUE(params.Set("slam.matcher.range", 3.0).ok());
   EXPECT_TRUE(Await([&] { return changes == 5; }));
-  ASSERT_EQ(said(), 1U);
-  EXPECT_EQ(lines[0],
-            "A watch waits for the parameter slam.macher, which the session \"robot\" does not have so far. Did you "
-            "mean slam.matcher?");
+  EXPECT_THAT(lines.all(),
+              ElementsAre("A watch waits for the parameter slam.macher, which the session \"robot\" does not have so "
+                          "far. Did you mean slam.matcher?"));
 }
 
 TEST_F(OfferedParams, ReportsWhenNoSessionOffersThem) {
@@ -372,19 +361,11 @@ TEST_F(RemoteParamsTest, SetsWhatTwoServicesWithTheSameNameOffer) {
 
 // Whether one of two services with one name says a line with this text.
 bool OneSays(Session& first, Session& second, std::string_view text) {
-  std::mutex mutex;
-  std::vector<std::string> lines;
-  const auto log = [&](LogLevel, std::string_view line) {
-    const std::scoped_lock lock(mutex);
-    lines.emplace_back(line);
-  };
+  test::Lines lines;
   ParamServer server;
-  const ParamService one(first, server, "robot", log);
-  const ParamService two(second, server, "robot", log);
-  return Await([&] {
-    const std::scoped_lock lock(mutex);
-    return std::ranges::any_of(lines, [&](const std::string& line) { return line.find(text) != std::string::npos; });
-  });
+  const ParamService one(first, server, "robot", lines.Sink());
+  const ParamService two(second, server, "robot", lines.Sink());
+  return Await([&] { return lines.Contains(text); });
 }
 
 TEST_F(RemoteParamsTest, ReportsTwoServicesWithTheSameName) {

@@ -2,7 +2,6 @@
 
 #include <random>
 #include <sstream>
-#include <string>
 #include <vector>
 
 #include "params/param_tree.hpp"

@@ -91,14 +91,12 @@ TEST_P(WaitingRequests, FailWithFullWhenTheServerHadLittleMemory) {
 TEST_P(WaitingRequests, LeaveRoomForCallsOfTheirOwnHandlers) {
   Pair pair(PlacesOf(GetParam()), "shared_memory: {limit_bytes: 1GiB}\n", "shared_memory: {limit_bytes: 1GiB}\n");
   constexpr std::size_t kFirst = 65 * kMega;
-  const Service there = pair.server().Serve<Block, Total>(
-      "there",
-      [&](const Block& block) {
-        if (block.size() != kFirst) return Total{5};
-        const auto result = pair.server().Call<Sum, Total>("back", Sum{}, kLong).Wait();
-        return result ? *result : Total{-1};
-      },
-      Invoke::kConcurrent);
+  const auto call_back = [&](const Block& block) {
+    if (block.size() != kFirst) return Total{5};
+    const auto result = pair.server().Call<Sum, Total>("back", Sum{}, kLong).Wait();
+    return result ? *result : Total{-1};
+  };
+  const Service there = pair.server().Serve<Block, Total>("there", call_back, Invoke::kConcurrent);
   const Service back = pair.caller().Serve<Sum, Total>("back", [&](const Sum&) {
     const auto result =
         pair.caller().Call<Block, Total>("there", Block::Allocate(kMega), std::chrono::seconds(15)).Wait();

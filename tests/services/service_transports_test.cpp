@@ -3,7 +3,6 @@
 
 #include <array>
 #include <random>
-#include <thread>
 
 #include "services/services_fixture.hpp"
 #include "support/seed.hpp"
@@ -51,13 +50,11 @@ TEST_P(ServiceOverEveryTransport, ReportsWhatTheHandlerThrew) {
 
 TEST_P(ServiceOverEveryTransport, TimesOutWhileTheHandlerIsBusy) {
   Door door;
-  const Service service = pair->server().Serve<Sum, Total>(
-      "slow",
-      [&](const Sum& sum) {
-        if (sum.a == 1) door.Pass();
-        return Add(sum);
-      },
-      Invoke::kConcurrent);
+  const auto handle = [&](const Sum& sum) {
+    if (sum.a == 1) door.Pass();
+    return Add(sum);
+  };
+  const Service service = pair->server().Serve<Sum, Total>("slow", handle, Invoke::kConcurrent);
   ASSERT_TRUE((pair->caller().Call<Sum, Total>("slow", Sum{2, 3}, kLong).Wait()));
   const auto result = pair->caller().Call<Sum, Total>("slow", Sum{1, 1}, std::chrono::milliseconds(300)).Wait();
   EXPECT_FALSE(result);

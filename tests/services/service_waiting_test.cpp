@@ -52,19 +52,17 @@ TEST_P(WaitingInACallback, ReceivesTheReplyOfAServiceOfItsOwnSession) {
 TEST_P(WaitingInACallback, ForItsOwnServiceWorksOrFailsAtOnce) {
   Robot robot(kAlone);
   std::atomic<int> refused{0};
-  const Service sum_up = robot->Serve<Sum, Total>(
-      "sum",
-      [&](const Sum& to) {
-        if (to.a == 0) return Total{0};
-        const auto rest = robot->Call<Sum, Total>("sum", Sum{to.a - 1, 0}, kLong).Wait();
-        if (!rest) {
-          EXPECT_EQ(rest.failure().kind, Kind::kWouldDeadlock) << rest.failure().reason;
-          ++refused;
-          return Total{-1};
-        }
-        return Total{to.a + rest->value};
-      },
-      GetParam().invoke, Options());
+  const auto add_rest = [&](const Sum& to) {
+    if (to.a == 0) return Total{0};
+    const auto rest = robot->Call<Sum, Total>("sum", Sum{to.a - 1, 0}, kLong).Wait();
+    if (!rest) {
+      EXPECT_EQ(rest.failure().kind, Kind::kWouldDeadlock) << rest.failure().reason;
+      ++refused;
+      return Total{-1};
+    }
+    return Total{to.a + rest->value};
+  };
+  const Service sum_up = robot->Serve<Sum, Total>("sum", add_rest, GetParam().invoke, Options());
   const auto result = robot->Call<Sum, Total>("sum", Sum{40, 0}, kLong).Wait();
   ASSERT_TRUE(result) << result.failure().reason;
   EXPECT_EQ(result->value, HandlesOneAtATime() ? -1 : 40 * 41 / 2);
@@ -74,13 +72,11 @@ TEST_P(WaitingInACallback, ForItsOwnServiceWorksOrFailsAtOnce) {
 TEST_P(WaitingInACallback, EndsInManyHandlersAtOnce) {
   Robot robot(kAlone);
   const Service add = robot->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
-  const Service outer = robot->Serve<Sum, Total>(
-      "outer",
-      [&](const Sum& sum) {
-        const auto inner = robot->Call<Sum, Total>("add", sum, kLong).Wait();
-        return inner ? *inner : Total{-1};
-      },
-      Invoke::kConcurrent);
+  const auto call_add = [&](const Sum& sum) {
+    const auto inner = robot->Call<Sum, Total>("add", sum, kLong).Wait();
+    return inner ? *inner : Total{-1};
+  };
+  const Service outer = robot->Serve<Sum, Total>("outer", call_add, Invoke::kConcurrent);
   std::vector<CallFuture<Total>> calls;
   for (int i = 0; i < 2000; ++i) calls.push_back(robot->Call<Sum, Total>("outer", Sum{i, 1}, kLong));
   for (int i = 0; i < 2000; ++i) ASSERT_EQ(calls[static_cast<std::size_t>(i)].Wait()->value, i + 1);
@@ -90,13 +86,11 @@ TEST_P(WaitingInACallback, EndsWhenTheOtherSessionCallsBack) {
   Robot left("data_graph: {threads: 1}\n", "left");
   Robot right("data_graph: {threads: 1}\n", "right");
   const Service add = left->Serve<Sum, Total>("add", Add, GetParam().invoke, Options());
-  const Service forward = right->Serve<Sum, Total>(
-      "forward",
-      [&](const Sum& sum) {
-        const auto there = right->Call<Sum, Total>("add", sum, kLong).Wait();
-        return there ? *there : Total{-1};
-      },
-      GetParam().invoke, Options());
+  const auto call_add = [&](const Sum& sum) {
+    const auto there = right->Call<Sum, Total>("add", sum, kLong).Wait();
+    return there ? *there : Total{-1};
+  };
+  const Service forward = right->Serve<Sum, Total>("forward", call_add, GetParam().invoke, Options());
   std::atomic<int> sum{0};
   // Occupies the only worker of the left session until the right session has called back.
   const auto node = left->FromAny<Sum>("in", Invoke::kSerial, [&](const Sum& in) {

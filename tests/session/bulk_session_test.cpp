@@ -225,29 +225,5 @@ TEST_F(BulkSharedMemory, TwoSessionsMayPublishOneMessageAtOnce) {
   EXPECT_EQ(TrafficOf(other).out.copied, 10U) << "the message is in the other session's memory";
 }
 
-TEST(BulkInProcess, SubscriberGetsThePublishedObject) {
-  Robot robot("");
-  Kept<BulkCloud> kept;
-  const auto subscription = robot->FromAny<BulkCloud>("cloud", kSerial, std::ref(kept));
-  auto cloud = Lent(robot, 'a');
-  const BulkCloud* const sent = cloud.get();
-  ASSERT_EQ(robot->ToAny("cloud", std::move(cloud)), PublishStatus::kOk);
-  ASSERT_TRUE(kept.AwaitSize(1));
-  EXPECT_EQ(kept.at(0).get(), sent);
-}
-
-TEST(BulkInProcess, BulkAndPlainMessagesAreConvertedForEachOther) {
-  Robot robot("");
-  Kept<BulkCloud> bulk;
-  Kept<PointCloud> plain;
-  const auto one = robot->FromAny<BulkCloud>("cloud", kSerial, std::ref(bulk));
-  const auto two = robot->FromAny<PointCloud>("cloud", kSerial, std::ref(plain));
-  ExpectArrives(robot, plain, Lent(robot, 'a'));
-  ASSERT_TRUE(bulk.AwaitSize(1)) << "the other node may run later";
-  ExpectArrives(robot, bulk, Plain('b'));
-  ASSERT_TRUE(bulk.AwaitSize(2) && plain.AwaitSize(2));
-  EXPECT_EQ(ChannelOf(robot).converted, 2U);
-}
-
 }  // namespace
 }  // namespace hgros::test::bulk_session_test

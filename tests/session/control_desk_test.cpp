@@ -4,10 +4,8 @@
 #include <gmock/gmock.h>
 
 #include <new>
-#include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "session/bare_bridge.hpp"
 

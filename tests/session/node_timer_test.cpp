@@ -114,13 +114,12 @@ TEST(NodeTimer, HasItsTurnAfterOneCallbackOfEachNodeThatIsAlwaysBusy) {
   std::atomic<int> begun_before{-1};
   std::vector<Subscription> busy;
   for (const std::string channel : {"left", "right"}) {
-    busy.push_back(session->FromGraph<int>(channel, Invoke::kSerial,
-                                           [&](const int&) {
-                                             ++begun;
-                                             door.Pass();
-                                             Linger(2ms);  // Longer than a turn.
-                                           },
-                                           {.queue = Queue::KeepAll(100)}));
+    const auto be_busy = [&](const int&) {
+      ++begun;
+      door.Pass();
+      Linger(2ms);  // Longer than a turn.
+    };
+    busy.push_back(session->FromGraph<int>(channel, Invoke::kSerial, be_busy, {.queue = Queue::KeepAll(100)}));
     for (int i = 0; i < 100; ++i) (void)session->ToGraph(channel, std::make_unique<int>(i));
   }
   const NodeTimer timer = session->CreateTimer("control", 10ms, [&](const Tick&) { begun_before = begun.load(); });
@@ -256,16 +255,15 @@ TEST_P(NodeTimerOnEveryExecutor, SessionCanBeDestroyedWhileItsTimersFire) {
     std::atomic<int> calls{0};
     std::vector<NodeTimer> timers;
     for (int i = 0; i < 5; ++i) {
+      const auto create_another = [&](const Tick&) {
+        ++calls;
+        try {
+          (void)there.CreateTimer("another", 1s, [](const Tick&) {});
+        } catch (const Error&) {  // Another callback creates it, or the session shuts down.
+        }
+      };
       timers.push_back(
-          session->CreateTimer("timer" + std::to_string(i), 10us,
-                               [&](const Tick&) {
-                                 ++calls;
-                                 try {
-                                   (void)there.CreateTimer("another", 1s, [](const Tick&) {});
-                                 } catch (const Error&) {  // Another callback creates it, or the session shuts down.
-                                 }
-                               },
-                               {.executor = GetParam()}));
+          session->CreateTimer("timer" + std::to_string(i), 10us, create_another, {.executor = GetParam()}));
     }
     ASSERT_TRUE(Await([&] { return calls > 10; }));
     session.reset();

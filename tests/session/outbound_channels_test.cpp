@@ -2,11 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <memory>
 #include <new>
 #include <utility>
-#include <vector>
 
 #include "hgros/codec/raw_message.hpp"
 #include "session/bare_bridge.hpp"

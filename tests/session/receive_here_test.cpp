@@ -57,13 +57,11 @@ TEST_F(ReceiveHere, RunsInlineCallbacksOnThisThreadAndOthersOnWorkers) {
 TEST_F(ReceiveHere, LosesNothingWhileThreadsComeAndGo) {
   std::atomic<int> seen{0};
   std::atomic<bool> in_order{true};
-  const auto subscription = robot->FromAny<Note>(
-      "notes", Invoke::kSerial,
-      [&](const Note& note) {
-        if (note.text != std::to_string(seen)) in_order = false;
-        ++seen;
-      },
-      kInline);
+  const auto check_order = [&](const Note& note) {
+    if (note.text != std::to_string(seen)) in_order = false;
+    ++seen;
+  };
+  const auto subscription = robot->FromAny<Note>("notes", Invoke::kSerial, check_order, kInline);
   const auto publish = sender->Advertise<Note>("notes");
   ASSERT_TRUE(sender->WaitForSubscribers("notes", 1, kPatience));
   constexpr int kMessages = 20'000;
@@ -98,16 +96,14 @@ TEST_F(ReceiveHere, LosesNothingWhileThreadsComeAndGo) {
 TEST_F(ReceiveHere, ACallbackMayWaitForOthersHoweverManyMessagesFollow) {
   std::atomic<int> seen{0};
   std::atomic<bool> all_sent{false}, found{false};
-  const auto subscription = robot->FromAny<Note>(
-      "notes", Invoke::kSerial,
-      [&](const Note&) {
-        EXPECT_TRUE(Await([&] { return all_sent.load(); }));
-        if (++seen != 100) return;
-        const Robot late("");  // Meeting another session takes the thread on which this one does errands.
-        const auto publish = late->Advertise<Note>("late");
-        found = late->WaitForSubscribers("late", 1, kPatience);
-      },
-      kInline);
+  const auto meet_another = [&](const Note&) {
+    EXPECT_TRUE(Await([&] { return all_sent.load(); }));
+    if (++seen != 100) return;
+    const Robot late("");  // Meeting another session takes the thread on which this one does errands.
+    const auto publish = late->Advertise<Note>("late");
+    found = late->WaitForSubscribers("late", 1, kPatience);
+  };
+  const auto subscription = robot->FromAny<Note>("notes", Invoke::kSerial, meet_another, kInline);
   const auto second = robot->FromAny<Note>(
       "late", Invoke::kSerial, [](const Note&) {}, kInline);
   const auto publish = sender->Advertise<Note>("notes");

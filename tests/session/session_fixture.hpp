@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -15,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "clock/lines.hpp"
 #include "hgros/hgros.hpp"
 #include "support/await.hpp"
 #include "support/scratch_folder.hpp"
@@ -93,22 +93,13 @@ class Kept {
 /// A session and its log.
 struct Robot {
   explicit Robot(const std::string& yaml, const std::string& name = "robot")
-      : session(std::make_unique<Session>(Config::Parse(yaml),
-                                          SessionOptions{name, [this](LogLevel, std::string_view text) {
-                                                           const std::scoped_lock lock(mutex);
-                                                           lines.emplace_back(text);
-                                                         }})) {}
-  [[nodiscard]] bool Said(std::string_view part) { return Count(part) > 0; }
+      : session(std::make_unique<Session>(Config::Parse(yaml), SessionOptions{name, lines.Sink()})) {}
+  [[nodiscard]] bool Said(std::string_view part) const { return lines.Contains(part); }
   /// The number of lines that contain the text.
-  [[nodiscard]] std::size_t Count(std::string_view part) {
-    const std::scoped_lock lock(mutex);
-    return static_cast<std::size_t>(
-        std::ranges::count_if(lines, [&](const std::string& line) { return line.find(part) != std::string::npos; }));
-  }
+  [[nodiscard]] std::size_t Count(std::string_view part) const { return lines.Count(part); }
   Session* operator->() const { return session.get(); }
 
-  std::mutex mutex;
-  std::vector<std::string> lines;
+  Lines lines;
   std::unique_ptr<Session> session;
 };
 

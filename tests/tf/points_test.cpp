@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstring>
-#include <random>
 #include <vector>
 
 #include <foxglove/PointCloud.pb.h>

@@ -1,6 +1,5 @@
 // Robots from their descriptions, and real trajectories. Tests that need recorded data are skipped without
 // HGROS_DATA.
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>

@@ -1,12 +1,6 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <foxglove/FrameTransforms.pb.h>
-
 #include "hgros/tf/transforms.hpp"
 #include "hgros/tf/transforms_parts.hpp"
 #include "session/domain_fixture.hpp"

@@ -3,10 +3,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include <foxglove/FrameTransforms.pb.h>
 
@@ -379,14 +376,13 @@ TEST_F(TransformsOfTwo, RefusesAFloodOfFramesAndLogsItOnce) {
 TEST_F(TransformsOfTwo, CallbackMaySetTransformsOnAnyExecutor) {
   Transforms transforms(*a.session, {.batch = 0ns});
   int rounds = 0;
-  const Subscription echo = a->FromAny<foxglove::FrameTransforms>(
-      kTransformsChannel, Invoke::kSerial,
-      [&](const foxglove::FrameTransforms&) {
-        if (++rounds < 5) {
-          EXPECT_TRUE(transforms.ToTF(At(rounds), "map", "echo", Shift(rounds)));
-        }
-      },
-      test::Inline());
+  const auto answer = [&](const foxglove::FrameTransforms&) {
+    if (++rounds < 5) {
+      EXPECT_TRUE(transforms.ToTF(At(rounds), "map", "echo", Shift(rounds)));
+    }
+  };
+  const Subscription echo =
+      a->FromAny<foxglove::FrameTransforms>(kTransformsChannel, Invoke::kSerial, answer, test::Inline());
   EXPECT_TRUE(transforms.ToTF(At(1), "map", "base", Shift(1)));
   EXPECT_TRUE(Await([&] { return transforms.stats().sent_messages == 5; }));
 }
@@ -394,13 +390,12 @@ TEST_F(TransformsOfTwo, CallbackMaySetTransformsOnAnyExecutor) {
 TEST_F(TransformsOfTwo, DestructorEndsWhileASubscriberHasNoRoom) {
   test::Door door;
   std::atomic<int> taken{0};
-  const Subscription full =
-      a->FromAny<foxglove::FrameTransforms>(kStaticTransformsChannel, Invoke::kSerial,
-                                            [&](const foxglove::FrameTransforms&) {
-                                              ++taken;
-                                              door.Pass();
-                                            },
-                                            {.queue = Queue::KeepAll(1), .executor = Executor::Dedicated()});
+  const auto hold = [&](const foxglove::FrameTransforms&) {
+    ++taken;
+    door.Pass();
+  };
+  const Subscription full = a->FromAny<foxglove::FrameTransforms>(
+      kStaticTransformsChannel, Invoke::kSerial, hold, {.queue = Queue::KeepAll(1), .executor = Executor::Dedicated()});
   for (int life = 0; life < 20; ++life) {
     Transforms transforms(*a.session, {.batch = 0ns});
     for (int i = 0; i < 5; ++i) ASSERT_TRUE(transforms.ToStaticTF("base", "s" + std::to_string(i), Shift(i)));

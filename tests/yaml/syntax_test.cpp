@@ -3,7 +3,6 @@
 #include <random>
 
 #include "config/config_fixture.hpp"
-#include "config/fixture_file.hpp"
 #include "hgros/yaml/document.hpp"
 #include "hgros/yaml/scalar_text.hpp"
 #include "support/seed.hpp"

@@ -118,13 +118,12 @@ TEST(RawForms, TypedNodesReadRawMessagesWhileObserversComeAndGo) {
     DataGraph graph;
     std::atomic<int> wrong{0};
     std::atomic<int> typed{0};
-    const auto subscription = graph.FromGraph<Vector3>(
-        "v", kSerial,
-        [&](const Vector3& vector) {
-          wrong += vector.x() == 7 ? 0 : 1;
-          ++typed;
-        },
-        Options(executor, Queue::KeepAll(100'000)));
+    const auto check_x = [&](const Vector3& vector) {
+      wrong += vector.x() == 7 ? 0 : 1;
+      ++typed;
+    };
+    const auto subscription =
+        graph.FromGraph<Vector3>("v", kSerial, check_x, Options(executor, Queue::KeepAll(100'000)));
     std::atomic<bool> stop{false};
     std::jthread arriving([&] {
       const std::string bytes = Vector(7).SerializeAsString();

@@ -5,7 +5,6 @@
 
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "graph/graph_fixture.hpp"
 #include "hgros/base/error.hpp"
@@ -37,15 +36,14 @@ TEST(Executor, DedicatedRunsOnItsOwnThreadOnTheRequestedCpus) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   std::atomic<int> count{0};
-  const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kConcurrent,
-      [&](const int&) {
-        const std::scoped_lock lock(mutex);
-        threads.insert(std::this_thread::get_id());
-        sched_getaffinity(0, sizeof allowed, &allowed);
-        ++count;
-      },
-      Options(Executor::Dedicated({0}), Queue::KeepAll(100)));
+  const auto record_thread = [&](const int&) {
+    const std::scoped_lock lock(mutex);
+    threads.insert(std::this_thread::get_id());
+    sched_getaffinity(0, sizeof allowed, &allowed);
+    ++count;
+  };
+  const auto subscription = graph.FromGraph<int>("c", Invoke::kConcurrent, record_thread,
+                                                 Options(Executor::Dedicated({0}), Queue::KeepAll(100)));
   for (int i = 0; i < 50; ++i) (void)graph.ToGraph("c", std::make_unique<int>(i));
   ASSERT_TRUE(Await([&] { return count == 50; }));
   EXPECT_EQ(threads.size(), 1U);
@@ -65,14 +63,13 @@ TEST(Executor, RunsAnotherNodeWhenEachOfTheBusyOnesHadATurn) {
     std::vector<Subscription> subscriptions;
     for (int i = 0; i < busy; ++i) {
       const std::string channel = "busy" + std::to_string(i);
-      subscriptions.push_back(graph.FromGraph<int>(
-          channel, invoke,
-          [&](const int&) {
-            door.Pass();
-            ++begun;
-            Linger(std::chrono::milliseconds(2));  // Longer than a turn.
-          },
-          Options(Executor::Tbb(), Queue::KeepAll(100))));
+      const auto be_busy = [&](const int&) {
+        door.Pass();
+        ++begun;
+        Linger(std::chrono::milliseconds(2));  // Longer than a turn.
+      };
+      subscriptions.push_back(
+          graph.FromGraph<int>(channel, invoke, be_busy, Options(Executor::Tbb(), Queue::KeepAll(100))));
       for (int j = 0; j < 100; ++j) (void)graph.ToGraph(channel, std::make_unique<int>(j));
     }
     subscriptions.push_back(graph.FromGraph<int>(
@@ -96,19 +93,15 @@ TEST(Executor, AConcurrentNodeRunsManyShortCallbacksInATurn) {
   std::atomic<int> turns_until_end{-1};
   std::atomic<int> left{kMessages};
   const NodeOptions keep_all = Options(Executor::Tbb(), Queue::KeepAll(kMessages));
-  const auto serial = graph.FromGraph<int>(
-      "serial", Invoke::kSerial,
-      [&](const int&) {
-        ++turns;
-        Linger(std::chrono::milliseconds(2));  // Longer than a turn.
-      },
-      keep_all);
-  const auto concurrent = graph.FromGraph<int>(
-      "concurrent", Invoke::kConcurrent,
-      [&](const int&) {
-        if (--left == 0) turns_until_end = turns.load();
-      },
-      keep_all);
+  const auto take_a_turn = [&](const int&) {
+    ++turns;
+    Linger(std::chrono::milliseconds(2));  // Longer than a turn.
+  };
+  const auto serial = graph.FromGraph<int>("serial", Invoke::kSerial, take_a_turn, keep_all);
+  const auto count_down = [&](const int&) {
+    if (--left == 0) turns_until_end = turns.load();
+  };
+  const auto concurrent = graph.FromGraph<int>("concurrent", Invoke::kConcurrent, count_down, keep_all);
   for (int i = 0; i < kMessages; ++i) {
     (void)graph.ToGraph("serial", std::make_unique<int>(i));
     (void)graph.ToGraph("concurrent", std::make_unique<int>(i));
@@ -210,13 +203,13 @@ TEST(Executor, ASlowNodeWithManyMessagesTakesTurnsWithTheOthersOfOneWorker) {
     DataGraph graph(Workers(1));
     std::atomic<int> slow{0};
     std::atomic<int> meanwhile{-1};
-    const auto first = graph.FromGraph<int>(
-        "slow", Invoke::kSerial,
-        [&](const int&) {
-          Linger(std::chrono::milliseconds(3));
-          ++slow;
-        },
-        Options(Executor::Tbb(), lossless ? Queue::KeepAll(100) : Queue::KeepLast(100)));
+    const auto run_slowly = [&](const int&) {
+      Linger(std::chrono::milliseconds(3));
+      ++slow;
+    };
+    const auto first =
+        graph.FromGraph<int>("slow", Invoke::kSerial, run_slowly,
+                             Options(Executor::Tbb(), lossless ? Queue::KeepAll(100) : Queue::KeepLast(100)));
     const auto other = graph.FromGraph<int>(
         "other", Invoke::kSerial, [&](const int& before) { meanwhile = slow - before; }, Options(Executor::Tbb()));
     for (int i = 0; i < 60; ++i) (void)graph.ToGraph("slow", std::make_unique<int>(i));
@@ -233,23 +226,19 @@ TEST(TbbExecutor, ACallbackThatWaitsInParallelCodeRunsNoOtherInside) {
   DataGraph graph(Workers(3));
   std::atomic<std::thread::id> waiting;
   std::atomic<bool> ran{false};
-  const auto other = graph.FromGraph<int>(
-      "other", Invoke::kSerial,
-      [&](const int&) {
-        EXPECT_NE(std::this_thread::get_id(), waiting.load());
-        ran = true;
-      },
-      Options(Executor::Tbb()));
-  const auto parallel = graph.FromGraph<int>(
-      "parallel", Invoke::kSerial,
-      [&](const int&) {
-        waiting = std::this_thread::get_id();
-        tbb::task_group tasks;
-        tasks.run([&] { EXPECT_TRUE(Await([&] { return ran.load(); })); });
-        (void)graph.ToGraph("other", std::make_unique<int>(1));
-        tasks.wait();
-      },
-      Options(Executor::Tbb()));
+  const auto run_elsewhere = [&](const int&) {
+    EXPECT_NE(std::this_thread::get_id(), waiting.load());
+    ran = true;
+  };
+  const auto other = graph.FromGraph<int>("other", Invoke::kSerial, run_elsewhere, Options(Executor::Tbb()));
+  const auto wait_for_other = [&](const int&) {
+    waiting = std::this_thread::get_id();
+    tbb::task_group tasks;
+    tasks.run([&] { EXPECT_TRUE(Await([&] { return ran.load(); })); });
+    (void)graph.ToGraph("other", std::make_unique<int>(1));
+    tasks.wait();
+  };
+  const auto parallel = graph.FromGraph<int>("parallel", Invoke::kSerial, wait_for_other, Options(Executor::Tbb()));
   (void)graph.ToGraph("parallel", std::make_unique<int>(1));
   EXPECT_TRUE(WaitIdle(graph));
 }

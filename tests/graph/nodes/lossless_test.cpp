@@ -11,13 +11,11 @@ TEST(Lossless, FullNodeFailsThePublishForAllNodes) {
   Door door;
   Collected slow;
   Collected quick;
-  const auto full = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int& value) {
-        slow.Add(value);
-        door.Pass();
-      },
-      Options(Executor::Dedicated(), Queue::KeepAll(2)));
+  const auto hold = [&](const int& value) {
+    slow.Add(value);
+    door.Pass();
+  };
+  const auto full = graph.FromGraph<int>("c", Invoke::kSerial, hold, Options(Executor::Dedicated(), Queue::KeepAll(2)));
   const auto other = Collect(graph, quick, Options(Executor::Inline()));
   EXPECT_EQ(graph.ToGraph("c", std::make_unique<int>(0)), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return slow.size() == 1; }));
@@ -103,16 +101,15 @@ TEST(Lossless, WaitingInsideACallbackIsRefusedAtOnce) {
   DataGraph graph;
   std::atomic<int> status{-1};
   const auto publish = graph.Advertise<int>("c");
-  const auto subscription = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int& value) {
-        if (value != 0) return;
-        // Fill our own queue, then wait for room in it: only this callback's return could make room.
-        while (publish(std::make_unique<int>(1)) == PublishStatus::kOk) {
-        }
-        status = static_cast<int>(publish.Wait(std::make_unique<int>(2), steady_clock::now() + kPatience));
-      },
-      Options(Executor::Tbb(), Queue::KeepAll(2)));
+  const auto fill_and_wait = [&](const int& value) {
+    if (value != 0) return;
+    // Fill our own queue, then wait for room in it: only this callback's return could make room.
+    while (publish(std::make_unique<int>(1)) == PublishStatus::kOk) {
+    }
+    status = static_cast<int>(publish.Wait(std::make_unique<int>(2), steady_clock::now() + kPatience));
+  };
+  const auto subscription =
+      graph.FromGraph<int>("c", Invoke::kSerial, fill_and_wait, Options(Executor::Tbb(), Queue::KeepAll(2)));
   EXPECT_EQ(publish(std::make_unique<int>(0)), PublishStatus::kOk);
   ASSERT_TRUE(Await([&] { return status >= 0; }));
   EXPECT_EQ(status, static_cast<int>(PublishStatus::kWouldDeadlock));
@@ -200,12 +197,11 @@ TEST(Lossless, InlineNodeThatRunsAtOnceWakesWaitingPublishers) {
   DataGraph graph;
   CountingDoor door;
   std::atomic<int> run{0};
-  const auto slow = graph.FromGraph<int>(
-      "c", Invoke::kSerial,
-      [&](const int& value) {
-        if (value == 0) door.Pass();
-      },
-      Options(Executor::Inline(), Queue::KeepAll(10)));
+  const auto hold_first = [&](const int& value) {
+    if (value == 0) door.Pass();
+  };
+  const auto slow =
+      graph.FromGraph<int>("c", Invoke::kSerial, hold_first, Options(Executor::Inline(), Queue::KeepAll(10)));
   const auto narrow = graph.FromGraph<int>(
       "c", Invoke::kSerial, [&](const int&) { ++run; }, Options(Executor::Inline(), Queue::KeepAll(1)));
   const auto publish = graph.Advertise<int>("c");

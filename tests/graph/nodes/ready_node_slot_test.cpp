@@ -16,13 +16,11 @@ class ReadyNodeSlotTest : public testing::Test {
     Subscription subscription;
   };
   void Subscribe(Node& node, const std::string& channel, Executor executor = Executor::Tbb()) {
-    node.subscription = graph.FromGraph<int>(
-        channel, Invoke::kSerial,
-        [&node](const int&) {
-          node.thread = std::this_thread::get_id();
-          ++node.count;
-        },
-        Options(std::move(executor)));
+    const auto record = [&node](const int&) {
+      node.thread = std::this_thread::get_id();
+      ++node.count;
+    };
+    node.subscription = graph.FromGraph<int>(channel, Invoke::kSerial, record, Options(std::move(executor)));
   }
   void Publish(const std::string& channel) { (void)graph.ToGraph(channel, std::make_unique<int>(1)); }
   [[nodiscard]] static bool RanHere(const Node& node) { return node.thread == std::this_thread::get_id(); }

@@ -2,6 +2,7 @@
 #include "session/observed/trace_publisher.hpp"
 
 #include <map>
+#include <set>
 
 #include "hgros/session/trace_message.hpp"
 #include "services/services_fixture.hpp"
@@ -16,49 +17,33 @@ class Traces {
   void operator()(const Trace& trace, const MessageInfo& info) {
     const std::scoped_lock lock(mutex_);
     EXPECT_EQ(trace.session(), info.id.publisher);
-    ++messages_[trace.session()];
+    seen_.sessions.insert(trace.session());
     const auto name = [&trace](std::uint32_t index) { return trace.names(static_cast<int>(index)); };
-    for (const Trace::Publish& event : trace.publishes())
-      publishes_[name(event.channel())] = {event, name(event.node())};
-    for (const Trace::Run& event : trace.runs()) runs_[name(event.channel())] = {event, name(event.node())};
-    lost_ += trace.lost();
+    for (const Trace::Publish& event : trace.publishes()) {
+      seen_.publishes[name(event.channel())] = {event, name(event.node())};
+    }
+    for (const Trace::Run& event : trace.runs()) seen_.runs[name(event.channel())] = {event, name(event.node())};
+    seen_.lost += trace.lost();
   }
   template <class Event>
   struct Of {
     Event event;
     std::string node;
   };
-  [[nodiscard]] bool Has(const std::string& channel) const {
+  struct Seen {
+    std::set<std::uint64_t> sessions;
+    std::map<std::string, Of<Trace::Publish>> publishes;  // The last one of each channel.
+    std::map<std::string, Of<Trace::Run>> runs;
+    std::uint64_t lost = 0;
+  };
+  [[nodiscard]] Seen seen() const {
     const std::scoped_lock lock(mutex_);
-    return runs_.contains(channel) && publishes_.contains(channel);
-  }
-  [[nodiscard]] Of<Trace::Run> run(const std::string& channel) const {
-    const std::scoped_lock lock(mutex_);
-    return runs_.at(channel);
-  }
-  [[nodiscard]] Of<Trace::Publish> publish(const std::string& channel) const {
-    const std::scoped_lock lock(mutex_);
-    return publishes_.at(channel);
-  }
-  [[nodiscard]] bool HasRun(const std::string& channel) const {
-    const std::scoped_lock lock(mutex_);
-    return runs_.contains(channel);
-  }
-  [[nodiscard]] std::size_t sessions() const {
-    const std::scoped_lock lock(mutex_);
-    return messages_.size();
-  }
-  [[nodiscard]] std::uint64_t lost() const {
-    const std::scoped_lock lock(mutex_);
-    return lost_;
+    return seen_;
   }
 
  private:
   mutable std::mutex mutex_;
-  std::map<std::uint64_t, int> messages_;
-  std::map<std::string, Of<Trace::Publish>> publishes_;
-  std::map<std::string, Of<Trace::Run>> runs_;
-  std::uint64_t lost_ = 0;
+  Seen seen_;
 };
 
 using TracesOfSessions = DomainFixture;
@@ -67,12 +52,11 @@ TEST_F(TracesOfSessions, TellPublishesAndRunsWithTheirMessagesWhileSomebodyWatch
   Pair pair(PlacesOf("sharedmemory"));
   const auto scan = pair.caller().Advertise<Sum>("scan");
   const auto map = pair.server().Advertise<Sum>("map");
-  const auto on_scan = pair.server().FromAny<Sum>("scan", Invoke::kSerial,
-                                                  [&](const Sum& sum) {
-                                                    Linger(5ms);
-                                                    map(sum);
-                                                  },
-                                                  {.name = "mapper"});
+  const auto handle_scan = [&](const Sum& sum) {
+    Linger(5ms);
+    map(sum);
+  };
+  const auto on_scan = pair.server().FromAny<Sum>("scan", Invoke::kSerial, handle_scan, {.name = "mapper"});
   const auto on_map = pair.server().FromAny<Sum>("map", Invoke::kSerial, [](const Sum&) {}, {.name = "planner"});
   ASSERT_TRUE(pair.caller().WaitForSubscribers("scan", 1, kPatience));
   scan(Sum{});  // Nobody watches, until it has passed both nodes.
@@ -82,14 +66,16 @@ TEST_F(TracesOfSessions, TellPublishesAndRunsWithTheirMessagesWhileSomebodyWatch
   Robot watcher("", "watcher");
   const auto watch =
       watcher->FromAny<Trace>(kTraceChannel, Invoke::kSerial, std::ref(traces), {.queue = Queue::KeepLast(100)});
-  ASSERT_TRUE(Await([&] { return traces.sessions() == 2; }));
-  EXPECT_FALSE(traces.HasRun("scan"));
+  ASSERT_TRUE(Await([&] { return traces.seen().sessions.size() == 2; }));
+  EXPECT_FALSE(traces.seen().runs.contains("scan"));
   scan(Sum{});
-  ASSERT_TRUE(Await([&] { return traces.Has("map") && traces.Has("scan"); }));
-  const auto published_scan = traces.publish("scan");
-  const auto published_map = traces.publish("map");
-  const auto ran_scan = traces.run("scan");
-  const auto ran_map = traces.run("map");
+  const auto has_both = [](const auto& events) { return events.contains("map") && events.contains("scan"); };
+  ASSERT_TRUE(Await([&] { return has_both(traces.seen().publishes) && has_both(traces.seen().runs); }));
+  const auto seen = traces.seen();
+  const auto& published_scan = seen.publishes.at("scan");
+  const auto& published_map = seen.publishes.at("map");
+  const auto& ran_scan = seen.runs.at("scan");
+  const auto& ran_map = seen.runs.at("map");
   EXPECT_EQ(published_scan.node, "");
   EXPECT_EQ(published_scan.event.cause(), 0U);
   EXPECT_EQ(ran_scan.node, "mapper");
@@ -107,7 +93,7 @@ TEST_F(TracesOfSessions, TellPublishesAndRunsWithTheirMessagesWhileSomebodyWatch
   EXPECT_EQ(ran_map.event.sent_ns(), 0) << "it stayed in its process";
   EXPECT_EQ(ran_map.event.received_ns(), published_map.event.at_ns());
   EXPECT_NE(ran_map.event.thread(), 0U);
-  EXPECT_EQ(traces.lost(), 0U);
+  EXPECT_EQ(seen.lost, 0U);
 }
 
 TEST(TraceMessages, TellWhatIsLost) {

@@ -1,8 +1,6 @@
 // Readers and writers at the same time. Every transform contains its own stamp, so that a mixture of two is detected.
-#include <gtest/gtest.h>
 
 #include <atomic>
-#include <random>
 #include <string>
 #include <thread>
 #include <vector>

@@ -1,12 +1,10 @@
 // Compares the tree with a naive one for random trees, stamps and queries.
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
-#include <random>
 #include <string>
 #include <vector>
 
