@@ -106,12 +106,11 @@ TEST_P(EveryTransport, RefusesAMessageAboveTheLimitAndKeepsThePeer) {
   Session& there = second ? *second->session : *first.session;
   std::atomic<std::size_t> got{0};
   std::atomic<std::uint64_t> last_size{0};
-  const auto subscription = there.FromAny<Block>("wheel", Invoke::kSerial,
-                                                 [&](const Block& block) {
-                                                   last_size = block.size();
-                                                   ++got;
-                                                 },
-                                                 {.queue = Queue::KeepAll(4)});
+  const auto count = [&](const Block& block) {
+    last_size = block.size();
+    ++got;
+  };
+  const auto subscription = there.FromAny<Block>("wheel", Invoke::kSerial, count, {.queue = Queue::KeepAll(4)});
   const auto newest =
       there.FromAny<Block>("newest", Invoke::kSerial, [](const Block&) {}, {.queue = Queue::KeepLast(1)});
   const auto publish = first->Advertise<Block>("wheel");

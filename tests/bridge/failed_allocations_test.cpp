@@ -4,6 +4,7 @@
 #include <chrono>
 #include <new>
 
+#include "conformance/transport_conformance.hpp"
 #include "hgros/base/system_limits.hpp"
 #include "hgros/bridge/channel_outlet.hpp"
 #include "hgros/clock/errand_thread.hpp"
@@ -78,15 +79,8 @@ struct BareCore {
   [[nodiscard]] std::size_t Unfinished(const OutboundCore&) const { return 0; }
 };
 
-struct Source final : OutboundSource {
-  std::vector<OutboundMessage> Latched(SessionId) noexcept override { return {}; }
-  void OnRoom() noexcept override { ++rooms; }
-  void OnSubscribers(std::size_t) noexcept override {}
-  int rooms = 0;
-};
-
 TEST(FailedAllocations, OfACancelledMessageEndNothing) {
-  Source source;
+  conformance::Source source;
   PublishingEnd<BareCore, OutboundCore> end(std::make_shared<BareCore>(), "scan", AnyType(), source);
   OutboundChannel& channel = end;
   channel.Cancel();
@@ -94,7 +88,7 @@ TEST(FailedAllocations, OfACancelledMessageEndNothing) {
 }
 
 TEST(FailedAllocations, OfRoomAreMadeUpForByTheNextReport) {
-  Source source;
+  conformance::Source source;
   const auto core = std::make_shared<OutboundCore>("scan", AnyType(), source);
   core->refused = true;
   Actions actions;

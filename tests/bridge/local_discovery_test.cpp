@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <optional>
 #include <thread>
 
 #include <foxglove/Log.pb.h>
@@ -36,23 +35,6 @@ TEST_F(LocalDiscovery, TwoProgramsWithOneChannelFindEachOther) {
   EXPECT_EQ(talker->Peers()[0].transport, "shared memory");
   EXPECT_EQ(talker->Peers()[0].why, "same host");
   EXPECT_TRUE(talker->PublisherEndpoints().empty()) << "no socket was opened to the network";
-}
-
-TEST_F(LocalDiscovery, MessagesGoBothWaysOnOneChannelWithoutEcho) {
-  Robot one(""), two("");
-  Notes at_one, at_two;
-  const auto first = one->FromAny<Note>("notes", kSerial, std::ref(at_one));
-  const auto second = two->FromAny<Note>("notes", kSerial, std::ref(at_two));
-  (void)one->Advertise<Note>("notes");
-  (void)two->Advertise<Note>("notes");
-  ASSERT_TRUE(one->WaitForSubscribers("notes", 2, kPatience));
-  ASSERT_TRUE(two->WaitForSubscribers("notes", 2, kPatience));
-  one->ToAny("notes", Note("from one"));
-  ASSERT_TRUE(Await([&] { return at_one.size() == 1 && at_two.size() == 1; }));
-  two->ToAny("notes", Note("from two"));
-  ASSERT_TRUE(Await([&] { return at_one.size() == 2 && at_two.size() == 2; }));
-  EXPECT_EQ(at_one.texts(), (std::vector<std::string>{"from one", "from two"}));
-  EXPECT_EQ(at_two.texts(), at_one.texts());
 }
 
 TEST_F(LocalDiscovery, SessionsThatExchangeNothingDoNotPairButAreKnown) {
@@ -172,34 +154,6 @@ TEST_F(LocalDiscovery, EndpointsCanBeAddedWhileSessionsComeAndGo) {
   }
 }
 
-TEST_F(LocalDiscovery, RemoteSubscribersDoNotChangeLocalDeliveryByPointer) {
-  Robot robot("");
-  const Note* seen = nullptr;
-  const auto subscription = robot->FromAny<Note>(
-      "notes", kSerial, [&](const std::shared_ptr<const Note>& note) { seen = note.get(); }, Inline());
-  const auto publish = robot->Advertise<Note>("notes");
-  for (const bool observed : {false, true, false}) {
-    std::optional<Robot> observer;
-    Subscription outside;
-    if (observed) {
-      observer.emplace("");
-      outside = Listen(*observer);
-      ASSERT_TRUE(robot->WaitForSubscribers("notes", 2, kPatience));
-    } else {
-      ASSERT_TRUE(Await([&] { return robot->Snapshot().traffic.at(0).out.subscribers == 0; }));
-    }
-    Note::written = 0;
-    auto note = std::make_unique<Note>("x");
-    const Note* const sent = note.get();
-    EXPECT_EQ(publish(std::move(note)), PublishStatus::kOk);
-    EXPECT_EQ(seen, sent);
-    EXPECT_EQ(Note::written, observed ? 1 : 0);
-    if (observed) {
-      EXPECT_TRUE(Await([&] { return notes.size() == 1; }));
-    }
-  }
-}
-
 TEST_F(LocalDiscovery, PeerThatIsFoundTwiceIsOnePeerOverSharedMemory) {
   const Bus bus;
   Robot talker(bus.Publishing("a"));
@@ -220,39 +174,6 @@ TEST_F(LocalDiscovery, PeerThatIsFoundTwiceIsOnePeerOverSharedMemory) {
   EXPECT_EQ(talker->Snapshot().traffic.at(0).out.subscribers, 1U);
 }
 
-TEST_F(LocalDiscovery, LosslessMessagesAllArriveInOrder) {
-  Robot talker(""), listener("");
-  std::uint64_t next = 0;
-  std::atomic<std::uint64_t> received{0};
-  std::atomic<bool> ordered{true};
-  const auto subscription = listener->FromAny<Note>("notes", kSerial,
-                                                    [&](const Note& note) {
-                                                      if (note.text != std::to_string(next)) ordered = false;
-                                                      ++next;
-                                                      ++received;
-                                                    },
-                                                    {.queue = Queue::KeepAll(64)});
-  const auto publish = talker->Advertise<Note>("notes");
-  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
-  constexpr std::uint64_t kCount = 5000;
-  for (std::uint64_t i = 0; i < kCount; ++i) {
-    ASSERT_EQ(publish.Wait(std::make_unique<Note>(std::to_string(i)), std::chrono::steady_clock::now() + kPatience),
-              PublishStatus::kOk);
-  }
-  ASSERT_TRUE(Await([&] { return received == kCount; }));
-  EXPECT_TRUE(ordered);
-}
-
-TEST_F(LocalDiscovery, LatchedMessagesReachALateSubscriber) {
-  Robot talker("");
-  const auto publish = talker->Advertise<Note>("map", {.latched = 2});
-  for (const char* text : {"1", "2", "3"}) publish(std::make_unique<Note>(text));
-  Robot listener("");
-  const auto subscription = listener->FromAny<Note>("map", kSerial, std::ref(notes));
-  ASSERT_TRUE(Await([&] { return notes.size() == 2; }));
-  EXPECT_EQ(notes.texts(), (std::vector<std::string>{"2", "3"}));
-}
-
 TEST_F(LocalDiscovery, SessionThatReturnsIsFoundAgain) {
   Robot listener("");
   const auto subscription = Listen(listener);
@@ -271,36 +192,6 @@ TEST_F(LocalDiscovery, TypeMismatchIsLoggedOnBothSides) {
   (void)talker->Advertise<foxglove::Log>("notes");
   EXPECT_TRUE(Await(
       [&] { return talker.Said("Use one type in both programs") && listener.Said("Use one type in both programs"); }));
-}
-
-TEST_F(LocalDiscovery, LoanedBlockIsReadInPlace) {
-  Robot talker("");
-  const auto publish = talker->Advertise<Block>("blocks");
-  auto on_heap = talker->Loan<Block>("blocks", 100);
-  ASSERT_EQ(on_heap->size(), 100U);
-  EXPECT_EQ(publish(std::move(on_heap)), PublishStatus::kOk) << "without a subscriber";
-  Robot listener("");
-  std::mutex mutex;
-  std::shared_ptr<const Block> received;
-  const auto subscription = listener->FromAny<Block>("blocks", kSerial, [&](const std::shared_ptr<const Block>& block) {
-    const std::scoped_lock lock(mutex);
-    received = block;
-  });
-  ASSERT_TRUE(talker->WaitForSubscribers("blocks", 1, kPatience));
-  auto loan = talker->Loan<Block>("blocks", 1 << 20);
-  ASSERT_EQ(loan->size(), 1U << 20);
-  std::byte* const written = loan->writable().data();
-  written[0] = std::byte{1};
-  ASSERT_EQ(publish(std::move(loan)), PublishStatus::kOk);
-  ASSERT_TRUE(Await([&] {
-    const std::scoped_lock lock(mutex);
-    return received != nullptr;
-  }));
-  EXPECT_EQ(received->bytes()[0], std::byte{1});
-  // Writes through the publisher's mapping of the same memory. Only a test may do this.
-  written[0] = std::byte{2};
-  EXPECT_EQ(received->bytes()[0], std::byte{2});
-  received.reset();
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "conformance/transport_conformance.hpp"
 #include "hgros/base/error.hpp"
 
 namespace hgros::peer_transports_test {
@@ -48,13 +49,8 @@ TEST(SetOfTransports, ReturnsItsCheapest) {
   EXPECT_EQ(TransportSet().cheapest(), std::nullopt);
 }
 
-class PeerTransportsOfOne : public testing::Test, public TransportListener {
+class PeerTransportsOfOne : public testing::Test, public conformance::Listener {
  protected:
-  void OnPeerCame(const PeerInfo& /*info*/) noexcept override { ++came; }
-  void OnPeerGone(const PeerInfo& /*info*/, std::string_view /*reason*/) noexcept override { ++gone; }
-  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*info*/,
-                      std::string_view /*what*/) noexcept override {}
-
   static PeerInfo On(const std::string& host) {
     PeerInfo info;
     info.id = SessionId{7};
@@ -74,8 +70,6 @@ class PeerTransportsOfOne : public testing::Test, public TransportListener {
   Log log{[](LogLevel, std::string_view) {}};
   const SessionId peer{7};
   const PeerInfo info = On("here");
-  int came = 0;
-  int gone = 0;
 };
 
 TEST_F(PeerTransportsOfOne, ChannelsWithoutARuleUseOneTransport) {

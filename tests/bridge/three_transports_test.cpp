@@ -5,6 +5,7 @@
 
 #include "bridge/joined/joined_inbound.hpp"
 #include "bridge/joined/joined_outbound.hpp"
+#include "conformance/transport_conformance.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "hgros/clock/errand_thread.hpp"
 #include "session/session_fixture.hpp"
@@ -21,7 +22,7 @@ struct Gates {
 };
 
 /// A session that has only a bridge.
-class Bridged : private TransportListener {
+class Bridged {
  public:
   Bridged(ZmqOptions zmq, Gates& gates, const std::string& domain,
           std::map<std::string, TransportKeys, std::less<>> rules) {
@@ -39,9 +40,9 @@ class Bridged : private TransportListener {
     options.later = [this](std::chrono::nanoseconds delay, std::function<void()> errand) {
       errands_.PostIn(delay, std::move(errand));
     };
-    bridge_.reset(new NetworkBridge(std::move(options), *this, log_));
+    bridge_.reset(new NetworkBridge(std::move(options), listener_, log_));
   }
-  ~Bridged() override {
+  ~Bridged() {
     bridge_->Close(0);
     errands_.End();
     bridge_.reset();
@@ -59,11 +60,6 @@ class Bridged : private TransportListener {
   }
 
  private:
-  void OnPeerCame(const PeerInfo& /*peer*/) noexcept override {}
-  void OnPeerGone(const PeerInfo& /*peer*/, std::string_view /*reason*/) noexcept override {}
-  void OnTypeMismatch(std::string_view /*channel*/, const PeerInfo& /*peer*/,
-                      std::string_view /*what*/) noexcept override {}
-
   const SessionId id_ = SessionId::Random();
   mutable std::mutex mutex_;
   std::vector<std::string> unreached_;  // Under mutex_.
@@ -71,14 +67,15 @@ class Bridged : private TransportListener {
     const std::scoped_lock lock(mutex_);
     if (level == LogLevel::kWarning && line.find("does not reach it") != line.npos) unreached_.emplace_back(line);
   }};
+  conformance::Listener listener_;
   ErrandThread errands_;
   std::unique_ptr<NetworkBridge> bridge_;
 };
 
 /// Publishes numbers without pause.
-class Counting final : private OutboundSource {
+class Counting {
  public:
-  Counting(Bridged& session, const std::string& channel) : out_(session->Advertise(channel, TypeOf<Note>(), *this)) {
+  Counting(Bridged& session, const std::string& channel) : out_(session->Advertise(channel, TypeOf<Note>(), source_)) {
     head_.channel = channel;
     head_.type_name = TypeOf<Note>().name;
     head_.encoding = TypeOf<Note>().encoding;
@@ -103,10 +100,7 @@ class Counting final : private OutboundSource {
   std::atomic<std::uint64_t> published{0};
 
  private:
-  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
-  void OnRoom() noexcept override {}
-  void OnSubscribers(std::size_t /*count*/) noexcept override {}
-
+  conformance::Source source_;
   PacketHead head_;
   Payload data_;
   std::shared_ptr<JoinedOutbound> out_;

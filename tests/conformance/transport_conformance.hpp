@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -25,6 +26,11 @@
 namespace hgros::conformance {
 
 inline bool Eventually(const std::function<bool()>& done) { return test::Await(done); }
+
+/// Number of files that this process has open.
+inline std::size_t OpenFiles() {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {}));
+}
 
 /// Stalls and cuts the connection between two sessions. Only transports that have such a connection offer it.
 class Cable {

@@ -223,16 +223,6 @@ TEST_P(TransportConformance, ALiveMessageThatIsAlsoLatchedComesOnce) {
   EXPECT_EQ(in->sink.texts(), Numbers(1, 2));
 }
 
-TEST_P(TransportConformance, SubscribingBeforeThePublisherExistsWorks) {
-  b.emplace(*world, Role::kSubscriber);
-  in.emplace(*b, "scan");
-  a.emplace(*world, Role::kPublisher);
-  out.emplace(*a, "scan");
-  ASSERT_TRUE(out->Joined());
-  ASSERT_EQ(out->Publish("1"), PublishStatus::kOk);
-  EXPECT_TRUE(Eventually([&] { return in->sink.count() == 1; }));
-}
-
 TEST_P(TransportConformance, AChannelMayBeWithdrawnAndOfferedAgain) {
   Meet();
   in.emplace(*b, "scan");

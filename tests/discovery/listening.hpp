@@ -1,8 +1,11 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -13,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "hgros/base/error.hpp"
 #include "hgros/base/log.hpp"
 #include "hgros/discovery/discovery.hpp"
 #include "hgros/discovery/registry.hpp"
@@ -105,9 +109,8 @@ class KeptLog {
   /// Number of lines that contain all of `words`.
   [[nodiscard]] std::size_t Count(const std::vector<std::string>& words) const {
     const std::scoped_lock lock(mutex_);
-    return static_cast<std::size_t>(std::count_if(lines_.begin(), lines_.end(), [&](const std::string& line) {
-      return std::all_of(words.begin(), words.end(),
-                         [&](const std::string& word) { return line.find(word) != std::string::npos; });
+    return static_cast<std::size_t>(std::ranges::count_if(lines_, [&](const std::string& line) {
+      return std::ranges::all_of(words, [&](const std::string& word) { return line.find(word) != line.npos; });
     }));
   }
   [[nodiscard]] std::string text() const {
@@ -166,5 +169,23 @@ struct Participant {
   Announcement own;
   std::unique_ptr<Discovery> discovery;
 };
+
+/// The exit status of a forked child that ends `discovery`: 0 if it lists nothing there and refuses to announce.
+inline int UseInForkedChild(std::unique_ptr<Discovery>& discovery, const Announcement& own) {
+  (void)std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    int status = discovery->List().empty() ? 0 : 1;
+    try {
+      discovery->Announce(own);
+      status |= 2;
+    } catch (const Error&) {
+    }
+    discovery.reset();
+    _exit(status);
+  }
+  int status = 0;
+  return waitpid(child, &status, 0) == child && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
 
 }  // namespace hgros::discovery

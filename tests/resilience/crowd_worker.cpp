@@ -136,12 +136,9 @@ int Run(const Arguments& arguments, const sigset_t& end) {
         peers = std::max(peers, member->Peers());
         received = std::min<std::uint64_t>(received, member->received);
       }
-      timespec now{};
-      clock_gettime(CLOCK_MONOTONIC, &now);
       Say("status ready=1 known=" + std::to_string(known) + " received=" + std::to_string(received) +
           " peers=" + std::to_string(peers) + " lines=" + std::to_string(lines) +
-          " files=" + std::to_string(OpenFiles() / members.size()) +
-          " at_ms=" + std::to_string(now.tv_sec * 1000 + now.tv_nsec / 1'000'000));
+          " files=" + std::to_string(OpenFiles() / members.size()));
     }
     signal = sigtimedwait(&end, nullptr, &period);
   }

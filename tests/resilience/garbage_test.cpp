@@ -20,6 +20,7 @@ namespace hgros::resilience {
 namespace {
 
 using test::Await;
+using test::RawSocket;
 
 /// Random bytes, the same for the same seed; the seed is printed.
 class Noise {
@@ -35,14 +36,6 @@ class Noise {
 
  private:
   std::mt19937 random_;
-};
-
-/// A ZeroMQ socket, without this library.
-class Stranger : public test::RawSocket {
- public:
-  using RawSocket::RawSocket;
-  [[nodiscard]] bool Bind(const std::string& endpoint) { return zmq_bind(get(), endpoint.c_str()) == 0; }
-  void Connect(const std::string& endpoint) { ASSERT_EQ(zmq_connect(get(), endpoint.c_str()), 0); }
 };
 
 /// A TCP connection to the loopback; -1 if refused.
@@ -90,13 +83,8 @@ class Listener {
   int fd_;
 };
 
-// The greeting of ZMTP 3 (rfc.zeromq.org/spec/23), as another implementation would send it.
-std::string Greeting(const std::string& mechanism = "NULL") {
-  std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0", 12);
-  greeting += mechanism;
-  greeting.resize(64);
-  return greeting;
-}
+// The greeting of ZMTP 3 without the command after it.
+std::string Greeting() { return test::Greeting("XPUB").substr(0, 64); }
 
 TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
   Noise noise;
@@ -116,15 +104,15 @@ TEST(Garbage, AtAPublishersEndpointIsCountedAndDisturbsNoSession) {
   ASSERT_TRUE(subscriber.Gains("received", 50)) << publisher << subscriber;
 
   {
-    Stranger pub(ZMQ_PUB);  // A socket of the wrong kind.
+    const RawSocket pub(ZMQ_PUB);  // A socket of the wrong kind.
     pub.Connect(TcpEndpoint(port));
     // Sockets of the right kind that send nonsense. Each bad filter ends a connection, so it takes some.
-    std::deque<Stranger> strangers;
+    std::deque<RawSocket> strangers;
     for (int i = 0; i < 8; ++i) strangers.emplace_back(ZMQ_XSUB).Connect(TcpEndpoint(port));
     ASSERT_TRUE(Await([&] {
       pub.Send({noise(300)});
       for (int i = 0; i < 20; ++i) {
-        const Stranger& stranger = strangers[noise.Number(strangers.size() - 1)];
+        const RawSocket& stranger = strangers[noise.Number(strangers.size() - 1)];
         const std::string bytes = noise(300);
         switch (noise.Number(3)) {
           case 0: stranger.Send({bytes}); break;
@@ -174,7 +162,7 @@ TEST(Garbage, FromABrokenZeroMqPeerDoesNotEndASubscribersAttempts) {
   const WorkerProcess subscriber({Subscribing(TcpEndpoint(port), kImpatient), "--in=images"});
   {
     Listener listener(port);
-    ASSERT_TRUE(listener.Answer(Greeting("NONE"))) << "another mechanism" << subscriber;
+    ASSERT_TRUE(listener.Answer(Greeting().replace(12, 4, "NONE"))) << "another mechanism" << subscriber;
     ASSERT_TRUE(listener.Answer(Greeting() + std::string("\4\1x", 3))) << "a broken command" << subscriber;
     ASSERT_TRUE(listener.Answer(Greeting() + std::string("\6\0", 2))) << "a reserved flag" << subscriber;
   }
@@ -196,8 +184,8 @@ TEST(Garbage, FromAPublisherIsCountedAndDoesNotDisturbALaterPublisher) {
   EXPECT_TRUE(subscriber.alive()) << subscriber;
 
   {
-    Stranger pub(ZMQ_XPUB);
-    ASSERT_TRUE(Await([&] { return pub.Bind(TcpEndpoint(port)); }));
+    const RawSocket pub(ZMQ_XPUB);
+    ASSERT_TRUE(Await([&] { return zmq_bind(pub.get(), TcpEndpoint(port).c_str()) == 0; }));
     std::vector<std::string> topics;
     ASSERT_TRUE(Await([&] {
       for (const std::string& asked : pub.Receive(0)) {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "conformance/tcp_forwarder.hpp"
-#include "resilience/delay_line.hpp"
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/at_once.hpp"
@@ -81,7 +80,7 @@ TEST(SilentCable, IsUsedSoonAfterItIsBack) {
 
 TEST(LongCable, DelaysMessagesByItsLengthAndLosesNone) {
   const std::uint16_t port = FreePort();
-  DelayLine line(port, std::chrono::milliseconds(50));
+  TcpForwarder line(port, std::chrono::milliseconds(50));
   const WorkerProcess publisher(
       {Publishing(TcpEndpoint(port)), "--out=images", "--await=1", "--count=500", "--size=20000"});
   const WorkerProcess subscriber({Subscribing(TcpEndpoint(line.port())), "--in=images", "--keep-all=64"});

@@ -9,12 +9,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <sstream>
 #include <vector>
 
-#include "resilience/delay_line.hpp"
+#include "conformance/tcp_forwarder.hpp"
 #include "resilience/places.hpp"
 #include "resilience/worker_process.hpp"
 #include "support/cable.hpp"
@@ -60,7 +59,7 @@ TEST(Path, OfAChainInThreeProcessesOnTwoHostsIsTrueWithin5Percent) {
   const WorkerProcess lidar({"--role=lidar", Publishing("tcp://10.198.0.1:5611")}, cable.left);
   const WorkerProcess mapper({"--role=mapper", "--delay_ms=200", Publishing("tcp://10.198.0.1:5612")}, cable.left);
   domain.reset();
-  std::optional<DelayLine> line;
+  std::optional<conformance::TcpForwarder> line;
   test::On(cable.right, [&] { line.emplace(5612, kLine, "10.198.0.1"); });
   const WorkerProcess planner({"--role=planner", "--delay_ms=100", "--ahead_ms=5000",
                                Both("tcp://10.198.0.2:5613", "tcp://127.0.0.1:" + std::to_string(line->port()))},

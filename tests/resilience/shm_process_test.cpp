@@ -17,6 +17,7 @@
 #include <string>
 #include <thread>
 
+#include "conformance/transport_conformance.hpp"
 #include "resilience/shm_numbers.hpp"
 #include "resilience/small_group.hpp"
 #include "resilience/worker_process.hpp"
@@ -26,16 +27,12 @@
 namespace hgros::resilience {
 namespace {
 
+using conformance::OpenFiles;
 using test::Await;
 
 std::uint64_t Setting(const char* name, std::uint64_t otherwise) {
   const char* value = std::getenv(name);
   return value == nullptr ? otherwise : std::stoull(value);
-}
-
-std::size_t OpenFiles() {
-  const std::filesystem::directory_iterator files("/proc/self/fd");
-  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
 }
 
 /// Number of mapped pages that belong to pairs, our own and those of peers.

@@ -2,16 +2,15 @@
 //
 //     shm_worker PLACE MODE
 //
-// Publishes "up" and subscribes to "down" at the session at PLACE, without loss. MODE: "work"; "listen", which
-// publishes nothing; "fork", which leaves a child behind that does nothing; the folder of a memory control group, which
-// it joins, to publish a large message for each one that it receives. Reports on standard output.
+// Publishes "up" and subscribes to "down" at the session at PLACE, without loss. MODE: "work"; "fork", which leaves a
+// child behind that does nothing; the folder of a memory control group, which it joins, to publish a large message for
+// each one that it receives. Reports on standard output.
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
-#include <memory>
 #include <string>
 #include <thread>
 
@@ -49,20 +48,16 @@ int main(int argc, char** argv) {
   const auto transport = MakeShmTransport(options, listener, log);
   NumberSink down;
   const auto inbound = transport->Subscribe("down", NumberType(), {.lossless = true}, down);
-  std::unique_ptr<NumberStream> up;
-  std::jthread publishing;
-  if (mode != "listen") {
-    up = std::make_unique<NumberStream>(*transport, "up", grouped ? kLarge : kSmall, grouped ? kLarge : 0);
-    publishing = std::jthread([&](const std::stop_token& stop) {
-      while (!stop.stop_requested()) {
-        if (grouped && up->published >= down.received) {
-          test::Linger(std::chrono::milliseconds(1));
-        } else {
-          up->PublishNext(stop);
-        }
+  NumberStream up(*transport, "up", grouped ? kLarge : kSmall, grouped ? kLarge : 0);
+  std::jthread publishing([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      if (grouped && up.published >= down.received) {
+        test::Linger(std::chrono::milliseconds(1));
+      } else {
+        up.PublishNext(stop);
       }
-    });
-  }
+    }
+  });
   pid_t child = 0;
   while (terminated == 0) {
     if (mode == "fork" && child == 0 && down.received > 100) {
@@ -75,7 +70,7 @@ int main(int argc, char** argv) {
     }
     std::printf("status received=%llu faults=%llu published=%llu child=%llu apart=%llu warnings=%u\n",
                 static_cast<unsigned long long>(down.received), static_cast<unsigned long long>(down.faults),
-                static_cast<unsigned long long>(up ? up->published.load() : 0), static_cast<unsigned long long>(child),
+                static_cast<unsigned long long>(up.published), static_cast<unsigned long long>(child),
                 static_cast<unsigned long long>(transport->usage().sent_apart), warnings.load());
     (void)std::fflush(nullptr);
     test::Linger(std::chrono::milliseconds(10));

@@ -6,7 +6,6 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -397,29 +396,6 @@ TEST(ZmqEndpoint, ASessionWithAllSocketsDoesNotBlameTheLimitOfFiles) {
   });
   EXPECT_THAT(error, testing::HasSubstr("Cannot create a ZeroMQ socket: this session has 16384 already"));
   EXPECT_GE(sockets.size(), zmq::kMostSockets - 8U);
-}
-
-TEST(ZmqEndpoint, AForkedChildDoesNothingAndTheParentContinues) {
-  Folder folder;
-  Place a(PublishAt(folder.Ipc()));
-  Place b(SubscribeAt(folder.Ipc()));
-  Publication out(*a.transport, "scan");
-  const Reception in(*b.transport, "scan");
-  ASSERT_TRUE(out.Joined());
-  const pid_t child = fork();
-  if (child == 0) {
-    const bool refused = out.channel->Reserve() == PublishStatus::kClosed;
-    out.channel->Commit(out.NextHead(), Publication::PayloadOf("x"));
-    out.channel.reset();
-    a.transport.reset();
-    _exit(refused ? 0 : 1);
-  }
-  int status = -1;
-  waitpid(child, &status, 0);
-  EXPECT_EQ(status, 0);
-  ASSERT_EQ(out.Publish("y"), PublishStatus::kOk);
-  ASSERT_TRUE(Eventually([&] { return in.sink.count() == 1; }));
-  EXPECT_EQ(in.sink.texts().front(), "y");
 }
 
 }  // namespace

@@ -55,14 +55,17 @@ inline bool HasIp6() {
   return has;
 }
 
-inline ZmqOptions PublishAt(const std::string& endpoint = kAnyPort) {
+inline ZmqOptions PublishAt(const std::string& endpoint = kAnyPort,
+                            std::uint64_t plain_queue_bytes = ZmqOptions().plain_queue_bytes) {
   ZmqOptions options;
   options.publish = {{endpoint, std::nullopt}};
+  options.plain_queue_bytes = plain_queue_bytes;
   return options;
 }
 
-inline ZmqOptions SubscribeAt(const std::string& endpoint) {
+inline ZmqOptions SubscribeAt(const std::string& endpoint, SessionId session = {}) {
   ZmqOptions options;
+  options.session = session;
   options.subscribe = {{endpoint, std::nullopt, {}}};
   return options;
 }
@@ -163,13 +166,7 @@ struct Audience {
   explicit Audience(const std::string& at, const std::string& from = {},
                     std::chrono::milliseconds peer_timeout = std::chrono::seconds(3))
       : publisher(PublishAt(at), peer_timeout),
-        session(
-            [&] {
-              ZmqOptions options = SubscribeAt(std::string(endpoint).insert(6, from));
-              options.session = SessionId{7};
-              return options;
-            }(),
-            peer_timeout) {
+        session(SubscribeAt(std::string(endpoint).insert(6, from), SessionId{7}), peer_timeout) {
     EXPECT_TRUE(out.Joined(2));
   }
   /// Both get what is published.

@@ -122,9 +122,7 @@ TEST(ZmqUnreadAnswers, EndTheConnectionToAPublisher) {
   GTEST_SKIP() << "A million messages take too long with a sanitizer.";
 #endif
   Server server;
-  ZmqOptions options = SubscribeAt(server.endpoint);
-  options.session = SessionId{7};
-  Place subscriber{options};
+  Place subscriber{SubscribeAt(server.endpoint, SessionId{7})};
   ASSERT_TRUE(server.Accept());
   auto welcome = zmq::ControlFrom(SessionId{9});
   WriteFacts(OwnFacts(SessionId{9}, "greedy"), *welcome.mutable_welcome()->mutable_facts());

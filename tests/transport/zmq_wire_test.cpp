@@ -1,6 +1,4 @@
 // Messages from and to programs that are not HyperGraph ROS sessions.
-#include <gmock/gmock.h>
-
 #include <random>
 
 #include "hgros/control.pb.h"
@@ -101,32 +99,6 @@ TEST_F(PlainPublisher, MalformedPacketsAreDroppedAndCountedByKind) {
   EXPECT_EQ(place->Faults(PacketFault::kType), 1u);
 }
 
-TEST_F(PlainPublisher, RandomFramesDoNoHarm) {
-  Subscribe();
-  for (unsigned seed = 1; seed <= 200; ++seed) {
-    std::mt19937 random(seed);
-    std::vector<std::string> frames{PlainTopic("scan")};
-    for (unsigned n = random() % 4; n > 0; --n) {
-      std::string frame = random() % 2 == 0 ? Head("scan") : std::string();
-      for (unsigned i = random() % 64; i > 0; --i) {
-        if (!frame.empty() && random() % 2 == 0) {
-          frame[random() % frame.size()] = static_cast<char>(random());
-        } else {
-          frame.push_back(static_cast<char>(random()));
-        }
-      }
-      frames.push_back(std::move(frame));
-    }
-    pub.Send(frames);
-  }
-  Send(Head("scan"), "good");
-  EXPECT_TRUE(Eventually([&] {
-    const auto texts = in->sink.texts();
-    return !texts.empty() && texts.back() == "good";
-  }));
-  EXPECT_GT(FaultSum(*place->transport), 0u);
-}
-
 /// A publish endpoint that sends Welcomes in the name of any session.
 class ManySessions : public testing::Test {
  protected:
@@ -222,9 +194,7 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
   constexpr int kMessages = 300;
   Folder folder;
   for (const std::string& endpoint : {folder.Ipc(), std::string("tcp://127.0.0.1:*")}) {
-    ZmqOptions options = PublishAt(endpoint);
-    options.plain_queue_bytes = 4 << 20;
-    Place place(std::move(options));
+    Place place(PublishAt(endpoint, 4 << 20));
     Publication out(*place.transport, "cloud");
     const RawSocket stuck(place.Bound(), "cloud", 1), reader(place.Bound(), "cloud");
     ASSERT_TRUE(out.Joined());
@@ -247,9 +217,7 @@ TEST(PlainSubscriber, ThatDoesNotReadStarvesNoOthers) {
 }
 
 TEST(PlainSubscriber, IsNotCutOffIfItsConnectionIsASessions) {
-  ZmqOptions options = PublishAt();
-  options.plain_queue_bytes = 4 << 20;
-  Place place(std::move(options));
+  Place place(PublishAt(test::kAnyPort, 4 << 20));
   Publication out(*place.transport, "cloud");
   const RawSocket session(place.Bound(), "cloud", 1), reader(place.Bound(), "cloud");
   session.Set(ZMQ_SUBSCRIBE, zmq::ControlTopic(SessionId::Random()));
@@ -267,9 +235,7 @@ TEST(PlainSubscriber, IsNotCutOffIfItsConnectionIsASessions) {
 
 TEST(PlainSubscriber, HasALimitOfWaitingBytesIfItDoesNotRead) {
   Folder folder;
-  ZmqOptions options = PublishAt(folder.Ipc());
-  options.plain_queue_bytes = 1 << 20;
-  Place place(std::move(options));
+  Place place(PublishAt(folder.Ipc(), 1 << 20));
   Publication out(*place.transport, "cloud");
   const RawSocket sub(folder.Ipc(), "cloud", 1);
   ASSERT_TRUE(out.Joined());
@@ -413,9 +379,7 @@ class LyingSubscriber : public testing::Test {
     SayHello();
     auto subscribe = Speak();
     auto& asked = *subscribe.mutable_subscribe();
-    asked.mutable_wanted()->set_channel("scan");
-    asked.mutable_wanted()->set_type_name(TextType().name);
-    asked.mutable_wanted()->set_encoding(static_cast<std::uint32_t>(Encoding::kCustom));
+    WriteType("scan", TextType(), *asked.mutable_wanted());
     asked.set_handshake(welcome.handshake());
     asked.set_lossless(true);
     asked.set_credit_messages(credit_messages);

@@ -5,6 +5,7 @@
 #include "bridge/joined/cut_subscribers.hpp"
 #include "bridge/joined/joined_inbound.hpp"
 #include "bridge/joined/joined_outbound.hpp"
+#include "conformance/transport_conformance.hpp"
 #include "hgros/bridge/channel_outlet.hpp"
 #include "hgros/bridge/network_bridge.hpp"
 #include "session/domain_fixture.hpp"
@@ -145,9 +146,7 @@ class OneChannel final : public Transport {
   };
 };
 
-struct NoLatched final : OutboundSource {
-  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
-  void OnRoom() noexcept override {}
+struct NoLatched final : conformance::Source {
   void OnSubscribers(std::size_t /*count*/) noexcept override { ++told; }
   void OnUnsubscribed(SessionId /*subscriber*/) noexcept override { ++ends; }
   int told = 0;
@@ -322,7 +321,7 @@ TEST_F(SubscriberEnd, IsToldThoughItHasSubscribedAgainOverOneTransportMeanwhile)
 }
 
 /// An outlet into a bridge with such a transport, which has one subscriber. Its first loan takes until `open` is set.
-class SlowLoan : public testing::Test, public TransportListener {
+class SlowLoan : public testing::Test {
  protected:
   SlowLoan() {
     BridgeOptions options;
@@ -342,7 +341,7 @@ class SlowLoan : public testing::Test, public TransportListener {
     options.more_transports = {entry};
     options.on_announcements = [] {};
     options.later = [](std::chrono::nanoseconds, const std::function<void()>&) {};
-    bridge.emplace(std::move(options), *this, *log);
+    bridge.emplace(std::move(options), listener, *log);
     outlet->Join(*bridge);
     loan = std::async(std::launch::async, [this] { return outlet->Loan(100).has_value(); });
     came.get_future().wait();
@@ -351,10 +350,8 @@ class SlowLoan : public testing::Test, public TransportListener {
     outlet->Detach();
     bridge->Close(0);
   }
-  void OnPeerCame(const PeerInfo&) noexcept override {}
-  void OnPeerGone(const PeerInfo&, std::string_view) noexcept override {}
-  void OnTypeMismatch(std::string_view, const PeerInfo&, std::string_view) noexcept override {}
 
+  conformance::Listener listener;
   const std::shared_ptr<Log> log = std::make_shared<Log>([](LogLevel, std::string_view) {});
   std::promise<void> came, open;
   std::optional<NetworkBridge> bridge;
@@ -445,12 +442,7 @@ class LostTransport : public DomainFixture {
       ASSERT_EQ(publisher(Note(std::to_string(i))), PublishStatus::kOk);
     }
   }
-  [[nodiscard]] OutboundStats sent() const {
-    for (const ChannelTraffic& traffic : talker->Snapshot().traffic) {
-      if (traffic.channel == "notes") return traffic.out;
-    }
-    return {};
-  }
+  [[nodiscard]] OutboundStats sent() const { return talker->Snapshot().traffic.at(0).out; }
   [[nodiscard]] std::size_t subscribers() const { return sent().subscribers; }
   static std::set<std::uint64_t> UpTo(std::uint64_t last) {
     std::set<std::uint64_t> all;

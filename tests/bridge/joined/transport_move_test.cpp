@@ -1,9 +1,8 @@
 #include "bridge/joined/transport_move.hpp"
 
-#include <algorithm>
 #include <random>
-#include <thread>
 
+#include "conformance/transport_conformance.hpp"
 #include "hgros/clock/time.hpp"
 #include "session/domain_fixture.hpp"
 #include "session/hand_made_session.hpp"
@@ -68,27 +67,20 @@ TEST(MoveOfTransport, WaitsForTheOldTransportAndThenDropsItsRepeats) {
   EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
 }
 
-TEST(MoveOfTransport, ContinuesWhenTheOldTransportHasEnded) {
-  TransportMove move({.from = kZmq, .to = kShm});
-  EXPECT_TRUE(move.Arrive(Numbered(3), kShm).empty());
-  EXPECT_EQ(move.Finish().size(), 1U);
-  EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
-}
-
 /// A publisher that opens its shared memory only on request.
-class LateTalker final : public HandMadeSession, private OutboundSource {
+class LateTalker final : public HandMadeSession {
  public:
   LateTalker(const std::string& domain, const std::string& endpoint) : HandMadeSession("late") {
     ZmqOptions options;
     options.publish = {{endpoint, std::nullopt}};
     OpenZmq(std::move(options));
-    over_zmq_ = zmq_->Advertise("notes", type_, *this);
+    over_zmq_ = zmq_->Advertise("notes", type_, source_);
     Enlist(domain, {ChannelUse{.channel = "notes", .publishes = true}});
   }
 
   void ShareMemoryWith(SessionId peer) {
     OpenShm(peer);
-    over_shm_ = shm_->Advertise("notes", type_, *this);
+    over_shm_ = shm_->Advertise("notes", type_, source_);
   }
   void EndShm() {
     over_shm_.reset();
@@ -115,11 +107,8 @@ class LateTalker final : public HandMadeSession, private OutboundSource {
   }
 
  private:
-  std::vector<OutboundMessage> Latched(SessionId /*subscriber*/) noexcept override { return {}; }
-  void OnRoom() noexcept override {}
-  void OnSubscribers(std::size_t /*count*/) noexcept override {}
-
   const TypeInfo& type_ = TypeOf<Note>();
+  conformance::Source source_;
   std::uint64_t said_ = 0;
   std::unique_ptr<OutboundChannel> over_zmq_;
   std::unique_ptr<OutboundChannel> over_shm_;

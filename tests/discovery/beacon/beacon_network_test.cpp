@@ -11,6 +11,7 @@
 namespace hgros::discovery {
 namespace {
 
+using std::chrono::milliseconds;
 using test::Await;
 using test::Cable;
 using test::Ip;
@@ -63,9 +64,7 @@ TEST_F(BeaconNetwork, LetsHostsFindEachOtherAtTheAddressesOfTheirDatagramsWithAn
 }
 
 TEST_F(BeaconNetwork, UsesInterfacesThatAppearLater) {
-  BeaconOptions impatient = options;
-  impatient.period = std::chrono::milliseconds(50);
-  impatient.patience = std::chrono::milliseconds(500);
+  const BeaconOptions impatient{.domain = "robot", .period = milliseconds(50), .patience = milliseconds(500)};
   const RemoteParticipant one(cable->left, impatient, "tcp://*:5555");
   const RemoteParticipant two(cable->right, impatient, "tcp://*:6666");
   EXPECT_TRUE(one.discovery->List().empty());
@@ -80,9 +79,7 @@ TEST_F(BeaconNetwork, UsesInterfacesThatAppearLater) {
 
 TEST_F(BeaconNetwork, UsesANamedInterfaceThatAppearsLaterAndLogsOnceThatItIsMissing) {
   ASSERT_TRUE(cable->Set("up"));
-  BeaconOptions named = options;
-  named.interfaces = {"late0"};
-  named.period = std::chrono::milliseconds(50);
+  const BeaconOptions named{.domain = "robot", .interfaces = {"late0"}, .period = milliseconds(50)};
   const RemoteParticipant one(cable->left, options, "tcp://*:5555");
   const RemoteParticipant two(cable->right, named, "tcp://*:6666");
   EXPECT_TRUE(Await([&] { return two.log.Count({"There is no network interface \"late0\""}) == 1; }));
@@ -98,19 +95,17 @@ TEST_F(BeaconNetwork, LogsOnceThatAnInterfaceHasNeitherMulticastNorBroadcast) {
   if (!Ip("-n " + cable->right + " tuntap add dev vpn0 mode tun")) GTEST_SKIP() << "no tunnels here";
   ASSERT_TRUE(Ip("-n " + cable->right + " addr add 10.199.0.1/24 dev vpn0") &&
               Ip("-n " + cable->right + " link set vpn0 multicast off up"));
-  BeaconOptions often = options;
-  often.period = std::chrono::milliseconds(50);
+  const BeaconOptions often{.domain = "robot", .period = milliseconds(50)};
   const RemoteParticipant one(cable->right, often, "tcp://*:5555");
   EXPECT_TRUE(Await([&] { return one.log.Count({"\"vpn0\""}) == 1; }));
-  test::Linger(std::chrono::milliseconds(300));
+  test::Linger(milliseconds(300));
   EXPECT_EQ(one.log.Count({"\"vpn0\""}), 1U);
 }
 
 TEST_F(BeaconNetwork, UsesOnlyTheChosenInterfaces) {
   ASSERT_TRUE(cable->Set("up"));
   ASSERT_TRUE(Ip("-n " + cable->right + " link set lo up"));
-  BeaconOptions loopback = options;
-  loopback.interfaces = {"lo"};
+  const BeaconOptions loopback{.domain = "robot", .interfaces = {"lo"}};
   const RemoteParticipant one(cable->left, options, "tcp://*:5555");
   const RemoteParticipant deaf(cable->right, loopback, "tcp://*:6666");
   const RemoteParticipant two(cable->right, options, "tcp://*:7777");
@@ -134,8 +129,7 @@ TEST_F(BeaconNetwork, SendsNothingBeyondARouter) {
     group.imr_address.s_addr = htonl(0x0ac60002);
     EXPECT_EQ(setsockopt(listener, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group), 0);
   });
-  BeaconOptions often = options;
-  often.period = std::chrono::milliseconds(50);
+  const BeaconOptions often{.domain = "robot", .period = milliseconds(50)};
   const RemoteParticipant one(cable->left, often, "tcp://*:5555");
   int time_to_live = -1;
   EXPECT_TRUE(Await([&] {

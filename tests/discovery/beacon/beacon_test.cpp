@@ -1,13 +1,8 @@
 #include "hgros/discovery/beacon.hpp"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <optional>
 #include <random>
 #include <stop_token>
@@ -178,22 +173,7 @@ TEST_F(Beacon, ForkedChildDoesNotDisturbIt) {
   one.Announce();
   two.Announce();
   ASSERT_TRUE(one.listening.AwaitPeer(two.heard()));
-  (void)std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    int status = two.discovery->List().empty() ? 0 : 1;
-    try {
-      two.Announce();
-      status |= 2;
-    } catch (const Error&) {
-    }
-    two.discovery.reset();
-    _exit(status);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(UseInForkedChild(two.discovery, two.own), 0);
   two.own.endpoints = {"tcp://*:7"};
   two.Announce();
   EXPECT_TRUE(one.listening.AwaitPeer(two.heard()));

@@ -4,7 +4,6 @@
 
 #include "discovery/listening.hpp"
 #include "hgros/announcement.pb.h"
-#include "hgros/base/error.hpp"
 #include "hgros/discovery/announcement.hpp"
 
 namespace hgros::discovery {

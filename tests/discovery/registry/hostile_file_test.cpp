@@ -11,7 +11,6 @@
 #include "discovery/registry/announcement_file.hpp"
 #include "discovery/registry/own_file.hpp"
 #include "discovery/registry/session_file.hpp"
-#include "hgros/announcement.pb.h"
 #include "hgros/base/own_descriptor.hpp"
 #include "hgros/discovery/registry.hpp"
 

@@ -171,8 +171,7 @@ TEST_F(RegistryFolderTest, AChangeDoesNotWaitForAFileThatIsBeingWritten) {
     return !announced.next_write();
   };
   EXPECT_TRUE(test::Await(written));
-  std::ifstream file(folder / FileName(own.session), std::ios::binary);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), EncodeFile(own));
+  EXPECT_EQ(scratch.Read("hgros/robot/" + FileName(own.session)), EncodeFile(own));
 }
 
 }  // namespace

@@ -7,12 +7,10 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdio>
 #include <deque>
 #include <stdexcept>
 
 #include "discovery/listening.hpp"
-#include "hgros/base/error.hpp"
 #include "hgros/discovery/registry.hpp"
 #include "support/path.hpp"
 
@@ -58,21 +56,13 @@ class AnnouncingProcess {
   AnnouncingProcess(const AnnouncingProcess&) = delete;
   AnnouncingProcess& operator=(const AnnouncingProcess&) = delete;
   ~AnnouncingProcess() {
-    if (input_ >= 0) close(input_);
-    if (pid_ <= 0) return;
+    close(input_);
     Kill();
     waitpid(pid_, nullptr, 0);
   }
 
   /// Sends SIGKILL and does not wait.
   void Kill() const { kill(pid_, SIGKILL); }
-  /// Ends it, and a child that it forked, in order, and waits. Returns the exit status, or -1.
-  int Finish() {
-    close(std::exchange(input_, -1));
-    int status = 0;
-    const bool ended = waitpid(std::exchange(pid_, -1), &status, 0) > 0;
-    return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
   [[nodiscard]] pid_t pid() const { return pid_; }
   [[nodiscard]] pid_t child() const { return child_; }
 
@@ -85,15 +75,15 @@ class AnnouncingProcess {
 class RegistryProcess : public testing::Test, protected OwnDomain {
  protected:
   [[nodiscard]] AnnouncingProcess Start(int sessions, bool forks = false) const { return {options, sessions, forks}; }
-  [[nodiscard]] std::unique_ptr<Discovery> Open(Listening& listening) {
-    return OpenRegistry(options, listening, log.log);
+  [[nodiscard]] std::unique_ptr<Discovery> Open(Listening& listener) {
+    return OpenRegistry(options, listener, log.log);
   }
 
   KeptLog log;
+  Listening listening;
 };
 
 TEST_F(RegistryProcess, KilledProcessIsReportedAndItsFilesAreRemovedAlthoughItsForkedChildLives) {
-  Listening listening;
   auto registry = Open(listening);
   const AnnouncingProcess worker = Start(5, true);
   ASSERT_TRUE(listening.AwaitCount(5));
@@ -112,7 +102,6 @@ TEST_F(RegistryProcess, KilledProcessIsReportedAndItsFilesAreRemovedAlthoughItsF
 }
 
 TEST_F(RegistryProcess, SessionsStayKnownWhileThisProcessCanOpenNoFiles) {
-  Listening listening;
   auto registry = Open(listening);
   const AnnouncingProcess worker = Start(3);
   ASSERT_TRUE(listening.AwaitCount(3));
@@ -137,24 +126,12 @@ TEST_F(RegistryProcess, SessionsStayKnownWhileThisProcessCanOpenNoFiles) {
   EXPECT_EQ(listening.broken(), "");
 }
 
-TEST_F(RegistryProcess, ProcessThatEndsNormallySaysGoodbye) {
-  Listening listening;
-  auto registry = Open(listening);
-  AnnouncingProcess worker = Start(1);
-  ASSERT_TRUE(listening.AwaitCount(1));
-  const SessionId session = listening.here()[0].session;
-  EXPECT_EQ(worker.Finish(), 0);
-  ASSERT_TRUE(listening.AwaitCount(0));
-  EXPECT_EQ(listening.gone(session), "It said goodbye.");
-}
-
 TEST_F(RegistryProcess, LaterRegistryRemovesFilesOfADeadProcess) {
   {
     const AnnouncingProcess worker = Start(3);
     worker.Kill();
   }
   EXPECT_TRUE(fs::exists(folder)) << "no registry was open that could remove the file";
-  Listening listening;
   auto registry = Open(listening);
   EXPECT_TRUE(registry->List().empty());
   EXPECT_TRUE(IsEmptyOrGone(folder));
@@ -163,12 +140,12 @@ TEST_F(RegistryProcess, LaterRegistryRemovesFilesOfADeadProcess) {
 }
 
 TEST_F(RegistryProcess, ManyRegistriesCleanUpAKilledProcessAndSpareNewOnes) {
-  std::deque<Listening> listening(6);
+  std::deque<Listening> all(6);
   std::vector<std::unique_ptr<Discovery>> observers;
-  for (Listening& one : listening) observers.push_back(Open(one));
+  for (Listening& one : all) observers.push_back(Open(one));
   for (int round = 0; round < 10; ++round) {
     const AnnouncingProcess worker = Start(4);
-    for (const auto& one : listening) ASSERT_TRUE(one.AwaitCount(4));
+    for (const auto& one : all) ASSERT_TRUE(one.AwaitCount(4));
     worker.Kill();
     // A session comes, and changes, while the files of the dead process are removed.
     Listening coming_listening;
@@ -178,7 +155,7 @@ TEST_F(RegistryProcess, ManyRegistriesCleanUpAKilledProcessAndSpareNewOnes) {
       own.endpoints = {"tcp://*:" + std::to_string(i + 1)};
       coming->Announce(own);
     }
-    for (const auto& one : listening) {
+    for (const auto& one : all) {
       EXPECT_TRUE(one.AwaitPeer(own));
       EXPECT_TRUE(one.AwaitCount(1));
       EXPECT_EQ(one.came(own.session), 1);
@@ -186,36 +163,20 @@ TEST_F(RegistryProcess, ManyRegistriesCleanUpAKilledProcessAndSpareNewOnes) {
     EXPECT_TRUE(coming_listening.AwaitCount(0));
     EXPECT_EQ(coming_listening.broken(), "");
   }
-  for (const auto& one : listening) EXPECT_TRUE(one.AwaitCount(0));
+  for (const auto& one : all) EXPECT_TRUE(one.AwaitCount(0));
   EXPECT_TRUE(IsEmptyOrGone(folder));
-  for (const auto& one : listening) EXPECT_EQ(one.broken(), "");
+  for (const auto& one : all) EXPECT_EQ(one.broken(), "");
   EXPECT_EQ(log.text(), "");
 }
 
 TEST_F(RegistryProcess, ForkDoesNotDisturbTheParent) {
   Listening observer_listening;
   const auto observer = Open(observer_listening);
-  Listening listening;
   auto registry = Open(listening);
   Announcement own = NewAnnouncement();
   registry->Announce(own);
   ASSERT_TRUE(observer_listening.AwaitPeer(own));
-  (void)std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    int status = registry->List().empty() ? 0 : 1;
-    try {
-      registry->Announce(own);
-      status |= 2;
-    } catch (const Error&) {
-    }
-    registry.reset();
-    _exit(status);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(UseInForkedChild(registry, own), 0);
   own.channels.clear();
   registry->Announce(own);
   EXPECT_TRUE(observer_listening.AwaitPeer(own));

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <random>
 
 #include "conformance/transport_conformance.hpp"
@@ -18,15 +17,11 @@
 namespace hgros::shm {
 namespace {
 
+using conformance::OpenFiles;
 using conformance::Publication;
 using conformance::Reception;
 using conformance::TextType;
 using test::Await;
-
-std::size_t OpenFiles() {
-  const std::filesystem::directory_iterator files("/proc/self/fd");
-  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
-}
 
 class HostilePeer : public testing::Test, public conformance::World {
  protected:

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -209,16 +208,6 @@ TEST_F(ShmTransportTest, BlocksAreNotReusedWhileAnEndedSubscriberStillReads) {
   EXPECT_EQ(publisher->usage().blocks_in_use, 1u);
   kept.clear();
   EXPECT_TRUE(Await([&] { return publisher->usage().blocks_in_use == 0; }));
-}
-
-TEST_F(ShmTransportTest, ALoanIsSentWithoutACopy) {
-  auto block = publisher->Loan(100'000);
-  ASSERT_TRUE(block);
-  std::memset(block->writable().data(), 'x', 100'000);
-  Publish(block->payload());
-  EXPECT_EQ(publisher->usage().blocks_in_use, 1u);
-  ASSERT_TRUE(Await([&] { return keeper.kept().size() == 1; }));
-  EXPECT_EQ(keeper.kept()[0].data.bytes.size(), 100'000u);
 }
 
 TEST_F(ShmTransportTest, MessagesOfASegmentThatCannotBeReceivedComeOverTheSocket) {
