@@ -1,6 +1,7 @@
 #include "hgros/command_run.hpp"
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -92,6 +93,11 @@ void CommandRun::Read(int descriptor, std::string& text) {
 
 void CommandRun::Signal(int number) const { (void)kill(pid_, number); }
 
+void CommandRun::End(int signal) {
+  Signal(signal);
+  EXPECT_EQ(Wait(), 128 + signal) << out() << err();
+}
+
 int CommandRun::Wait(std::chrono::nanoseconds patience) {
   const bool in_time = test::Await(
       [this] {
@@ -154,6 +160,14 @@ CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::stri
   return {status, run.out(), run.err()};
 }
 
+CommandEnd RunUntil(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment,
+                    const testing::Matcher<const CommandEnd&>& ends) {
+  CommandEnd end;
+  (void)test::Await([&] { return ends.Matches(end = RunToEnd(arguments, environment)); });
+  EXPECT_THAT(end, ends);
+  return end;
+}
+
 void TwoAtATime(std::size_t count, const std::function<void(std::size_t)>& act) {
   const auto every_second = [&](std::size_t i) {
     for (; i < count; i += 2) act(i);
@@ -169,6 +183,12 @@ RobotForCommands::RobotForCommands(const std::string& name, const std::string& d
 CommandEnd RobotForCommands::Run(std::vector<std::string> arguments) const {
   AwaitAnnounced();
   return RunToEnd(std::move(arguments), environment());
+}
+
+CommandEnd RobotForCommands::RunUntil(const std::vector<std::string>& arguments,
+                                      const testing::Matcher<const CommandEnd&>& ends) const {
+  AwaitAnnounced();
+  return cli::RunUntil(arguments, environment(), ends);
 }
 
 void RobotForCommands::AwaitAnnounced() const {

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -33,12 +34,15 @@ class CommandRun {
   ~CommandRun();
 
   void Signal(int number) const;
+  /// Expects that the signal ends it.
+  void End(int signal = SIGINT);
   /// Waits for its end. The exit status, 128 and the signal that ended it, or -1 if it did not end in time.
   int Wait(std::chrono::nanoseconds patience = test::kPatience);
   /// Waits until the output contains `text`.
   [[nodiscard]] bool Prints(const std::string& text, std::chrono::nanoseconds patience = test::kPatience) const;
   [[nodiscard]] std::string out() const;
   [[nodiscard]] std::string err() const;
+  [[nodiscard]] bool ended() const noexcept { return ended_; }
 
  private:
   void Read(int descriptor, std::string& text);
@@ -62,18 +66,30 @@ struct CommandEnd {
 
   friend void PrintTo(const CommandEnd& end, std::ostream* to) { *to << end.status << "\n" << end.out << end.err; }
 };
-/// A matcher for the end of a command: its status, and what it wrote to standard error, a text or a matcher.
+/// Matchers for the end of a command: its status, and what it wrote to standard error or output, a text or a matcher.
+inline auto Ends(int status) { return testing::Field("status", &CommandEnd::status, status); }
 template <class Err>
 auto Ends(int status, const Err& err) {
-  return testing::AllOf(testing::Field("status", &CommandEnd::status, status),
-                        testing::Field("err", &CommandEnd::err, err));
+  return testing::AllOf(Ends(status), testing::Field("err", &CommandEnd::err, err));
+}
+template <class Out>
+auto Prints(const Out& out) {
+  return testing::Field("out", &CommandEnd::out, out);
+}
+template <class Out>
+auto Prints(int status, const Out& out) {
+  return testing::AllOf(Ends(status), Prints(out));
 }
 /// One for the end of a command that succeeded, and wrote `out` and nothing else.
 template <class Out>
 auto Writes(const Out& out) {
-  return testing::AllOf(Ends(0, ""), testing::Field("out", &CommandEnd::out, out));
+  return testing::AllOf(Ends(0, ""), Prints(out));
 }
 CommandEnd RunToEnd(std::vector<std::string> arguments, const std::map<std::string, std::string>& environment = {});
+/// Runs it again and again until it ends so, which is expected: on a busy machine, not every session answers, and not
+/// every message comes, in the second that most commands wait.
+CommandEnd RunUntil(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment,
+                    const testing::Matcher<const CommandEnd&>& ends);
 /// Does that with 0 and so on, below `count`, in two threads: a command waits more than it computes.
 void TwoAtATime(std::size_t count, const std::function<void(std::size_t)>& act);
 /// The command with a --timeout that a busy machine keeps, too: without one, most wait only a second for an answer.
@@ -94,6 +110,7 @@ class RobotForCommands {
   [[nodiscard]] Session& session() noexcept { return *session_; }
   /// Waits until others can find all channels of the robot, then runs the command.
   [[nodiscard]] CommandEnd Run(std::vector<std::string> arguments) const;
+  CommandEnd RunUntil(const std::vector<std::string>& arguments, const testing::Matcher<const CommandEnd&>& ends) const;
   void AwaitAnnounced() const;
   [[nodiscard]] const std::string& domain() const { return domain_; }
   /// HGROS_DOMAIN, for other processes.

@@ -55,9 +55,7 @@ TEST_F(HgrosCompletion, OffersCommandsAndOptionsAndLeavesFilesToTheShell) {
   const CommandEnd end = robot_.Run({"__complete", "--", "echo", "--domain", "no good", ""});
   EXPECT_EQ(end.out + end.err, "");
   for (const char* shell : {"bash", "zsh", "fish"}) {
-    const CommandEnd script = RunToEnd({"completion", shell});
-    EXPECT_EQ(script.status, 0);
-    EXPECT_THAT(script.out, testing::HasSubstr("__complete -- "));
+    EXPECT_THAT(RunToEnd({"completion", shell}), Prints(0, testing::HasSubstr("__complete -- ")));
   }
   EXPECT_EQ(RunToEnd({"completion"}).status, 2);
   EXPECT_EQ(RunToEnd({"completion", "tcsh"}).status, 2);

@@ -42,11 +42,11 @@ TEST(HgrosComponents, ShowsAllAboutOneAndNamesTheNearest) {
   EXPECT_THAT(RunToEnd({"components", "words/Counter"}, kInstalled),
               Writes(AllOf(HasSubstr("foxglove.KeyValuePair"), HasSubstr("Added by each word."), HasSubstr("1 to 10"),
                            HasSubstr("250 ms"), HasSubstr("reset"))));
-  const CommandEnd json = RunToEnd({"components", "words/Counter", "--json"}, kInstalled);
-  EXPECT_THAT(json.out, AllOf(HasSubstr("\"name\":\"words/Counter\""), HasSubstr("\"state\":\"foxglove.KeyValuePair\""),
-                              HasSubstr("\"period_ns\":250000000"), HasSubstr("\"transforms\":false")));
-  const CommandEnd frames = RunToEnd({"components", "relay/Frames"}, kInstalled);
-  EXPECT_THAT(frames.out, HasSubstr("Transforms          sets or looks them up")) << frames.err;
+  EXPECT_THAT(RunToEnd({"components", "words/Counter", "--json"}, kInstalled).out,
+              AllOf(HasSubstr("\"name\":\"words/Counter\""), HasSubstr("\"state\":\"foxglove.KeyValuePair\""),
+                    HasSubstr("\"period_ns\":250000000"), HasSubstr("\"transforms\":false")));
+  EXPECT_THAT(RunToEnd({"components", "relay/Frames"}, kInstalled).out,
+              HasSubstr("Transforms          sets or looks them up"));
   EXPECT_THAT(RunToEnd({"components", "words/Conter"}, kInstalled),
               Ends(1, HasSubstr("Did you mean \"words/Counter\"?")));
 }
@@ -82,8 +82,7 @@ TEST(HgrosComponents, SaysWhatIsWrongWithALibraryOrAManifest) {
               Ends(1, HasSubstr("/nowhere/libmissing.so")));
   const test::ScratchFolder folder;
   (void)folder.Write("broken.yaml", "library: 1\ncomponent: x\n");
-  const CommandEnd broken = RunToEnd({"components"}, {{"HGROS_COMPONENT_PATH", folder.path()}});
-  EXPECT_THAT(broken.err, HasSubstr("broken.yaml:2:1"));
+  EXPECT_THAT(RunToEnd({"components"}, {{"HGROS_COMPONENT_PATH", folder.path()}}).err, HasSubstr("broken.yaml:2:1"));
 }
 
 }  // namespace

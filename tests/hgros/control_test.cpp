@@ -3,7 +3,6 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdlib>
@@ -21,8 +20,6 @@
 #include "hgros/session/session_control.hpp"
 #include "hgros/transport/curve_key_pair.hpp"
 #include "support/path.hpp"
-
-extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it.
 
 namespace hgros::cli {
 namespace {
@@ -47,14 +44,13 @@ TEST(HgrosControl, ClosesAndOpensAChannelWhereItIsUsed) {
   const auto scan = robot.session().Advertise<Log>("scan");
   const auto map = other.session().Advertise<Log>("map");
   other.AwaitAnnounced();
-  const CommandEnd closed = robot.Run({"control", "close", "scan", "--timeout", "40"});
-  EXPECT_EQ(closed.status, 0) << closed.err;
-  EXPECT_THAT(closed.out, AllOf(StartsWith("SESSION"), HasSubstr("talker:"), HasSubstr("Channel \"scan\" is closed"),
-                                Not(HasSubstr("other:"))));
+  EXPECT_THAT(robot.Run({"control", "close", "scan", "--timeout", "40"}),
+              Prints(0, AllOf(StartsWith("SESSION"), HasSubstr("talker:"), HasSubstr("Channel \"scan\" is closed"),
+                              Not(HasSubstr("other:")))));
   EXPECT_TRUE(IsClosed(robot, "scan"));
-  const CommandEnd open = robot.Run({"control", "open", "scan", "--timeout", "40", "--json"});
-  EXPECT_THAT(open.out, AllOf(StartsWith("{\"process\":\"talker\",\"pid\":"), HasSubstr("\"done\":true"),
-                              HasSubstr("\"answer\":\"Channel \\\"scan\\\" is open")));
+  EXPECT_THAT(robot.Run({"control", "open", "scan", "--timeout", "40", "--json"}).out,
+              AllOf(StartsWith("{\"process\":\"talker\",\"pid\":"), HasSubstr("\"done\":true"),
+                    HasSubstr("\"answer\":\"Channel \\\"scan\\\" is open")));
   EXPECT_FALSE(IsClosed(robot, "scan"));
   EXPECT_THAT(robot.Run({"control", "close", "scna"}),
               Ends(1, EndsWith("hgros: No session uses scna. Did you mean scan?\n")));
@@ -62,9 +58,8 @@ TEST(HgrosControl, ClosesAndOpensAChannelWhereItIsUsed) {
   RobotForCommands off("off", robot.domain(), "control: off\n");  // It does not take orders.
   const auto offered = off.session().Advertise<Log>("scan");
   off.AwaitAnnounced();
-  const CommandEnd end = robot.Run({"control", "close", "scan", "--timeout", "40"});
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.out, AllOf(HasSubstr("is closed"), HasSubstr("its configuration says `control: off`")));
+  EXPECT_THAT(robot.Run({"control", "close", "scan", "--timeout", "40"}),
+              Prints(1, AllOf(HasSubstr("is closed"), HasSubstr("its configuration says `control: off`"))));
 }
 
 // A component that moves asks each subscriber whether it has what was published, and waits 200 ms for an answer.
@@ -95,15 +90,11 @@ TEST(HgrosControl, AsksAllSessionsThatAPatternMatchesAsInItsExamples) {
     robot->AwaitAnnounced();
   }
   const auto run = [&](const std::vector<std::string>& words) { return RunToEnd(words, left.environment()); };
-  const CommandEnd arms = run({"control", "forbid", "status", "--timeout", "40", "--session", "*_arm", "--json"});
-  EXPECT_EQ(arms.status, 0) << arms.err;
-  EXPECT_EQ(LinesOf(arms.out).size(), 2U) << arms.out;
-  EXPECT_THAT(arms.out, Not(HasSubstr("base")));
-  const CommandEnd one =
-      run({"control", "allow", "status", "--timeout", "40", "--session", base.session().id().ToString()});
-  EXPECT_THAT(one.out, AllOf(HasSubstr("base:"), Not(HasSubstr("_arm:"))));
-  const CommandEnd all = run({"control", "log", "error", "--json", "--timeout", "40"});
-  EXPECT_EQ(LinesOf(all.out).size(), 3U) << all.out;
+  EXPECT_THAT(run({"control", "forbid", "status", "--timeout", "40", "--session", "*_arm", "--json"}),
+              Prints(0, AllOf(testing::ResultOf(LinesOf, testing::SizeIs(2)), Not(HasSubstr("base")))));
+  EXPECT_THAT(run({"control", "allow", "status", "--timeout", "40", "--session", base.session().id().ToString()}).out,
+              AllOf(HasSubstr("base:"), Not(HasSubstr("_arm:"))));
+  EXPECT_THAT(LinesOf(run({"control", "log", "error", "--json", "--timeout", "40"}).out), testing::SizeIs(3));
   EXPECT_THAT(run({"control", "log", "error", "--session", "bsae"}),
               Ends(1, EndsWith("hgros: No session is called bsae. Did you mean base?\n")));
 
@@ -112,9 +103,8 @@ TEST(HgrosControl, AsksAllSessionsThatAPatternMatchesAsInItsExamples) {
   talker.AwaitAnnounced();  // Not while a channel is forbidden, which is not announced.
   for (const char* command : {"control close", "control open", "control forbid", "control allow", "control log"}) {
     for (const std::vector<std::string>& example : ExamplesOf(command)) {
-      const CommandEnd end = RunToEnd(Patiently(example), talker.environment());
-      EXPECT_EQ(end.status, 0) << testing::PrintToString(example) << end.err;
-      EXPECT_THAT(end.out, HasSubstr("talker:"));
+      EXPECT_THAT(RunToEnd(Patiently(example), talker.environment()), Prints(0, HasSubstr("talker:")))
+          << testing::PrintToString(example);
     }
   }
 }
@@ -136,9 +126,8 @@ TEST(HgrosControl, ReachesSessionsWithAnAllowedKeyThroughTheEndpointsOfAFile) {
   Session robot(Config::Parse(yaml("robot", robots, "desk", desks)),
                 {.name = "talker", .log = [](LogLevel, std::string_view) {}});
   const auto scan = robot.Advertise<Log>("scan");
-  const CommandEnd end = RunToEnd({"control", "close", "scan", "--config", file, "--timeout", "40"});
-  EXPECT_EQ(end.status, 0) << end.out << end.err;
-  EXPECT_THAT(end.out, HasSubstr("Channel \"scan\" is closed"));
+  EXPECT_THAT(RunToEnd({"control", "close", "scan", "--config", file, "--timeout", "40"}),
+              Prints(0, HasSubstr("Channel \"scan\" is closed")));
 }
 
 // A robot that lets in one key, and the file with the keys of a desk that has no endpoint.
@@ -154,10 +143,7 @@ struct RobotAndDeskWithKeys {
   [[nodiscard]] std::vector<std::string> Command(std::vector<std::string> words, const std::string& endpoint) const {
     const std::string desk = "network:\n  security: {public_key: '" + desks.public_key + "', secret_key: '" +
                              desks.secret_key + "', servers: {'" + endpoint + "': '" + robots.public_key + "'}}\n";
-    for (const std::string& word : {std::string("--config"), folder.Write("desk.yaml", desk), std::string("--connect"),
-                                    endpoint, std::string("--timeout"), std::string("40")}) {
-      words.push_back(word);
-    }
+    words.insert(words.end(), {"--config", folder.Write("desk.yaml", desk), "--connect", endpoint, "--timeout", "40"});
     return words;
   }
 };
@@ -170,13 +156,11 @@ TEST(HgrosControl, SteersThroughConnectAloneWithAnAllowedKey) {
   const std::map<std::string, std::string> own = OwnDomain();
   for (const auto& [action, state] :
        {std::pair("close", "closed"), {"open", "open"}, {"forbid", "forbidden"}, {"allow", "allowed"}}) {
-    const CommandEnd end = RunToEnd(keys.Command({"control", action, "scan"}, endpoint), own);
-    EXPECT_EQ(end.status, 0) << end.out << end.err;
-    EXPECT_THAT(end.out, AllOf(HasSubstr("talker:"), HasSubstr("Channel \"scan\" is " + std::string(state))));
+    EXPECT_THAT(RunToEnd(keys.Command({"control", action, "scan"}, endpoint), own),
+                Prints(0, AllOf(HasSubstr("talker:"), HasSubstr("Channel \"scan\" is " + std::string(state)))));
   }
-  const CommandEnd log = RunToEnd(keys.Command({"control", "log", "error"}, endpoint), own);
-  EXPECT_EQ(log.status, 0) << log.out << log.err;
-  EXPECT_THAT(log.out, HasSubstr("below the level error"));
+  EXPECT_THAT(RunToEnd(keys.Command({"control", "log", "error"}, endpoint), own),
+              Prints(0, HasSubstr("below the level error")));
   EXPECT_EQ(robot.Snapshot().refused_orders, 0U);
 }
 
@@ -186,9 +170,8 @@ TEST(HgrosControl, IsRefusedThroughConnectWithoutKeys) {
   Session robot(Config::Parse("network: {publisher: {ip: '" + endpoint + "'}}\ndiscovery: {local: false}\n"),
                 {.name = "talker", .log = [](LogLevel, std::string_view) {}});
   const auto scan = robot.Advertise<Log>("scan");
-  const CommandEnd end = RunToEnd(Patiently({"control", "close", "scan", "--connect", endpoint}), OwnDomain());
-  EXPECT_EQ(end.status, 1) << end.out << end.err;
-  EXPECT_THAT(end.out, HasSubstr("those whose CURVE key is in network.security.allowed_clients"));
+  EXPECT_THAT(RunToEnd(Patiently({"control", "close", "scan", "--connect", endpoint}), OwnDomain()),
+              Prints(1, HasSubstr("those whose CURVE key is in network.security.allowed_clients")));
 }
 
 TEST(HgrosControl, RefusesWrongArguments) {
@@ -236,10 +219,7 @@ class HgrosControlProcess : public testing::Test {
  protected:
   HgrosControlProcess() {
     publisher.emplace(domain);
-    EXPECT_TRUE(test::Await([&] {
-      const CommandEnd end = RunToEnd({"list", "--json"}, environment);
-      return end.out.find("greetings") != std::string::npos;
-    }));
+    RunUntil({"list", "--json"}, environment, Prints(HasSubstr("greetings")));
   }
 
   const std::map<std::string, std::string> environment = OwnDomain();
@@ -248,9 +228,8 @@ class HgrosControlProcess : public testing::Test {
 };
 
 TEST_F(HgrosControlProcess, IsStoppedAsByTheSystem) {
-  const CommandEnd end = RunToEnd(Patiently({"control", "stop", "--session", "pub*"}), environment);
-  EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_THAT(end.out, HasSubstr("gets SIGTERM"));
+  EXPECT_THAT(RunToEnd(Patiently({"control", "stop", "--session", "pub*"}), environment),
+              Prints(0, HasSubstr("gets SIGTERM")));
   ASSERT_TRUE(test::Await([&] { return publisher->Status().has_value(); }));
   EXPECT_TRUE(WIFEXITED(*publisher->Status()));
   EXPECT_EQ(WEXITSTATUS(*publisher->Status()), 0);
@@ -262,9 +241,8 @@ TEST(HgrosControl, StopsThroughConnectAloneWithAnAllowedKey) {
   std::string yaml = keys.robot;
   yaml.replace(yaml.find("tcp://127.0.0.1:*"), std::string("tcp://127.0.0.1:*").size(), endpoint);
   ExamplePublisher publisher("none", keys.folder.Write("robot.yaml", yaml));
-  const CommandEnd end = RunToEnd(keys.Command({"control", "stop", "--session", "pub*"}, endpoint), OwnDomain());
-  EXPECT_EQ(end.status, 0) << end.out << end.err;
-  EXPECT_THAT(end.out, HasSubstr("gets SIGTERM"));
+  EXPECT_THAT(RunToEnd(keys.Command({"control", "stop", "--session", "pub*"}, endpoint), OwnDomain()),
+              Prints(0, HasSubstr("gets SIGTERM")));
   ASSERT_TRUE(test::Await([&] { return publisher.Status().has_value(); }));
   EXPECT_TRUE(WIFEXITED(*publisher.Status()));
 }
@@ -273,21 +251,16 @@ TEST_F(HgrosControlProcess, ThatHangsIsWaitedForUntilTheTimeoutAndDoesNotHoldUpO
   publisher->Signal(SIGSTOP);
   CommandRun channel({"control", "close", "greetings"}, environment);  // It has announced the channel.
   CommandRun stop({"control", "stop", "--session", "publisher", "--timeout", "3"}, environment);
-  const CommandEnd in_time =
-      RunToEnd({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"}, environment);
-  EXPECT_EQ(in_time.status, 3);
+  EXPECT_THAT(RunToEnd({"control", "log", "error", "--session", "publisher", "--timeout", "0.5"}, environment),
+              Ends(3));
   EXPECT_EQ(channel.Wait(), 1) << channel.err();
   EXPECT_THAT(channel.out(), AllOf(HasSubstr("publisher:"), HasSubstr("It does not answer: it hangs")));
 
   RobotForCommands robot("talker", domain);
   const auto scan = robot.session().Advertise<Log>("greetings");
-  CommandEnd end;  // On a busy machine, who does not hang may be late, too.
-  (void)test::Await([&] {
-    end = robot.Run({"control", "log", "error", "--session", "*"});
-    return end.out.find("Log lines below the level error") != std::string::npos;
-  });
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.out, AllOf(HasSubstr("Log lines below the level error"), HasSubstr("It does not answer")));
+  // On a busy machine, who does not hang may be late, too.
+  robot.RunUntil({"control", "log", "error", "--session", "*"},
+                 Prints(1, AllOf(HasSubstr("Log lines below the level error"), HasSubstr("It does not answer"))));
   EXPECT_EQ(stop.Wait(), 3);
 
   CommandRun run({"control", "log", "error", "--session", "publisher", "--timeout", "3"}, environment);
@@ -302,8 +275,7 @@ TEST_F(HgrosControlProcess, TakesNoOrdersFromAnotherUser) {
   if (RunInShell(as_nobody + "--version").status != 0) GTEST_SKIP() << "The command cannot be run as another user.";
   const std::string runtime = std::getenv("XDG_RUNTIME_DIR") == nullptr ? "" : std::getenv("XDG_RUNTIME_DIR");
   for (const std::string& folder : {std::string("-u XDG_RUNTIME_DIR "), "XDG_RUNTIME_DIR=" + runtime + " "}) {
-    const CommandEnd end = RunInShell("env " + folder + as_nobody + "control stop --session '*'", environment);
-    EXPECT_EQ(end.status, 1) << end.out << end.err;
+    EXPECT_THAT(RunInShell("env " + folder + as_nobody + "control stop --session '*'", environment), Ends(1));
   }
   test::Linger(std::chrono::milliseconds(300));
   EXPECT_FALSE(publisher->Status());

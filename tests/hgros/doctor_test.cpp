@@ -58,29 +58,17 @@ TEST(HgrosDoctor, FindsFaultsOfChannelsNodesAndThreads) {
   ASSERT_TRUE(test::Await([&] { return lowered.load(); }));
   other.AwaitAnnounced();
   // On a busy machine, not every two seconds show all.
-  auto texts = std::async(std::launch::async, [&robot] {
-    CommandEnd all;
-    (void)test::Await([&] {
-      all = robot.Run(Patiently({"doctor"}));
-      return all.out.find("Node control_of_the_arm") != std::string::npos &&
-             all.out.find("but desk:") != std::string::npos;
-    });
-    return all;
+  const auto texts = std::async(std::launch::async, [&robot] {
+    robot.RunUntil(Patiently({"doctor"}),
+                   Prints(1, AllOf(HasSubstr("Node control_of_the_arm of patrol:"),
+                                   HasSubstr("should have the real-time priority 10, but its thread has none."),
+                                   HasSubstr("ulimit -r 10"), HasSubstr("publishes foxglove.Log on \"odd\", but desk:"),
+                                   HasSubstr("publishes foxglove.Log on \"odder\", but desk:"))));
   });
-  CommandEnd end;
-  (void)test::Await([&] {
-    end = robot.Run(Patiently({"doctor", "--json"}));
-    return end.out.find("because its queue of 3 is full") != std::string::npos;
-  });
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.out, AllOf(HasSubstr("\"check\":\"name\""), HasSubstr("\\\"scan_frotn\\\", which nobody publishes."),
-                             HasSubstr("\"check\":\"queue\""), HasSubstr("because its queue of 3 is full")));
-  const CommandEnd text = texts.get();
-  EXPECT_EQ(text.status, 1);
-  EXPECT_THAT(text.out, AllOf(HasSubstr("Node control_of_the_arm of patrol:"),
-                              HasSubstr("should have the real-time priority 10, but its thread has none."),
-                              HasSubstr("ulimit -r 10"), HasSubstr("publishes foxglove.Log on \"odd\", but desk:"),
-                              HasSubstr("publishes foxglove.Log on \"odder\", but desk:")));
+  robot.RunUntil(
+      Patiently({"doctor", "--json"}),
+      Prints(1, AllOf(HasSubstr("\"check\":\"name\""), HasSubstr("\\\"scan_frotn\\\", which nobody publishes."),
+                      HasSubstr("\"check\":\"queue\""), HasSubstr("because its queue of 3 is full"))));
 }
 
 TEST(HgrosDoctor, NamesTheNodeForWhichOthersWait) {
@@ -92,13 +80,9 @@ TEST(HgrosDoctor, NamesTheNodeForWhichOthersWait) {
                            {.name = "detect", .queue = Queue::Latest()});
   const NodeTimer timer = session.CreateTimer("control", std::chrono::milliseconds(10),
                                               [&](const Tick&) { publish(std::make_unique<Log>()); });
-  CommandEnd end;
-  EXPECT_TRUE(test::Await([&] {
-    end = robot.Run(Patiently({"doctor"}));
-    return end.out.find("waits for its turn") != std::string::npos;
-  })) << end.out;
-  EXPECT_THAT(end.out, testing::ContainsRegex("patrol:[0-9]+ control waits for its turn, because patrol:[0-9]+ detect "
-                                              "keeps a worker of the session for "));
+  robot.RunUntil(Patiently({"doctor"}),
+                 Prints(testing::ContainsRegex("patrol:[0-9]+ control waits for its turn, because patrol:[0-9]+ detect "
+                                               "keeps a worker of the session for ")));
 }
 
 TEST(HgrosDoctor, NamesAChannelInAFrameThatNoTransformHas) {
@@ -112,13 +96,9 @@ TEST(HgrosDoctor, NamesAChannelInAFrameThatNoTransformHas) {
   ASSERT_EQ(right(scan), PublishStatus::kOk);
   scan.set_frame_id("lasr");
   ASSERT_EQ(wrong(scan), PublishStatus::kOk);
-  CommandEnd end;
-  EXPECT_TRUE(test::Await([&] {
-    end = robot.Run(Patiently({"doctor"}));
-    return end.out.find("\"wrong\" of lidar:") != std::string::npos;
-  })) << end.out;
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.out, AllOf(HasSubstr("The nearest frame is \"laser\"."), testing::Not(HasSubstr("\"right\" of"))));
+  robot.RunUntil(Patiently({"doctor"}),
+                 Prints(1, AllOf(HasSubstr("\"wrong\" of lidar:"), HasSubstr("The nearest frame is \"laser\"."),
+                                 testing::Not(HasSubstr("\"right\" of")))));
 }
 
 }  // namespace

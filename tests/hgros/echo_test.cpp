@@ -4,8 +4,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <csignal>
-
 #include <foxglove/LaserScan.pb.h>
 #include <foxglove/Log.pb.h>
 
@@ -35,32 +33,27 @@ TEST(HgrosEcho, ShowsLatchedMessagesFirstAsAskedFor) {
   for (const char* text : {"one, two", "bb", "three"}) publish(Line(text));
   more(Line("other"));
   EXPECT_THAT(robot.Run({"echo", "status", "-n", "3", "--field", "message"}), Writes("\"one, two\"\nbb\nthree\n"));
-  const std::vector<std::string> lines =
-      LinesOf(robot.Run({"echo", "status", "-n", "3", "--csv", "--field", "message", "--field", "line"}).out);
-  ASSERT_EQ(lines.size(), 4U);
-  EXPECT_EQ(lines[0], "publish_time_ns,message,line");
-  EXPECT_THAT(lines[1], EndsWith(",\"one, two\",7"));
-  EXPECT_THAT(lines[3], EndsWith(",three,7"));
-  const CommandEnd filtered = robot.Run(
-      {"echo", "status", "--once", "--field", "message", "--filter", "size(message) == 2 && level == 'ERROR'"});
-  EXPECT_EQ(filtered.out, "bb\n");
-  const CommandEnd both = robot.Run({"echo", "--field", "message", "-n", "4", "status", "more"});
-  EXPECT_EQ(both.status, 0) << both.err;
-  EXPECT_THAT(both.out, AllOf(HasSubstr("three\n"), HasSubstr("other\n")));
+  EXPECT_THAT(LinesOf(robot.Run({"echo", "status", "-n", "3", "--csv", "--field", "message", "--field", "line"}).out),
+              testing::ElementsAre("publish_time_ns,message,line", EndsWith(",\"one, two\",7"), testing::_,
+                                   EndsWith(",three,7")));
+  EXPECT_THAT(robot.Run({"echo", "status", "--once", "--field", "message", "--filter",
+                         "size(message) == 2 && level == 'ERROR'"}),
+              Prints("bb\n"));
+  EXPECT_THAT(robot.Run({"echo", "--field", "message", "-n", "4", "status", "more"}),
+              Prints(0, AllOf(HasSubstr("three\n"), HasSubstr("other\n"))));
 }
 
 TEST(HgrosEcho, ShowsYamlAndEscapesWhatATerminalWouldObeyUntilCtrlC) {
   RobotForCommands robot;
   const auto publish = robot.session().Advertise<Log>("status", {.latched = 1});
   publish(Line("a\x1b[31m\n\xC2\x9B \"b\""));
-  const CommandEnd end = robot.Run({"echo", "status", "--once"});
-  EXPECT_EQ(end.out, "level: ERROR\nmessage: \"a\\x1b[31m\\n\\x9b \\\"b\\\"\"\nname: \"\"\nfile: \"\"\nline: 7\n---\n");
-  const CommandEnd json = robot.Run({"echo", "status", "--once", "--json"});
-  EXPECT_THAT(json.out, HasSubstr(R"("message":"a\u001B[31m\n\u009B \"b\"")"));
+  EXPECT_EQ(robot.Run({"echo", "status", "--once"}).out,
+            "level: ERROR\nmessage: \"a\\x1b[31m\\n\\x9b \\\"b\\\"\"\nname: \"\"\nfile: \"\"\nline: 7\n---\n");
+  EXPECT_THAT(robot.Run({"echo", "status", "--once", "--json"}).out,
+              HasSubstr(R"("message":"a\u001B[31m\n\u009B \"b\"")"));
   CommandRun run({"echo", "status"}, robot.environment());
   ASSERT_TRUE(run.Prints("---"));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  run.End();
   EXPECT_EQ(run.err(), "");
 }
 
@@ -82,8 +75,6 @@ TEST(HgrosEcho, NamesTheNearestFieldAndChannelAndSaysThatNoMessageCameInTime) {
   publish(Line("a"));
   EXPECT_THAT(robot.Run({"echo", "status", "--field", "mesage"}),
               Ends(2, HasSubstr("foxglove.Log has no field \"mesage\". Did you mean message?")));
-  EXPECT_THAT(robot.Run({"echo", "statsu", "--field", "a[99999999999999999999]"}),
-              Ends(2, HasSubstr("The index in \"a[99999999999999999999]\" is too large.")));
   EXPECT_THAT(robot.Run({"echo", "statsu", "--timeout", "0.1"}),
               Ends(3, HasSubstr("Nobody publishes on statsu yet. Did you mean status?")));
   EXPECT_THAT(robot.Run({"echo", "silent", "--timeout", "0.3"}),
@@ -106,8 +97,7 @@ TEST(HgrosEcho, EndsWhenItsReaderGoesOrStandsStill) {
   CommandRun stuck({"echo", "scan", "--json"}, robot.environment(), ends[1]);
   int waiting = 0;
   ASSERT_TRUE(test::Await([&] { return ioctl(ends[0], FIONREAD, &waiting) == 0 && waiting > 30000; }));
-  stuck.Signal(SIGINT);
-  EXPECT_EQ(stuck.Wait(), 128 + SIGINT);
+  stuck.End();
   EXPECT_EQ(stuck.err(), "");
   CommandRun left({"echo", "nothing"}, robot.environment(), ends[1]);
   close(ends[1]);

@@ -19,10 +19,9 @@ TEST(HgrosGraph, DrawsProcessesNodesAndChannelsAndNamesTheNearest) {
   const Subscription heard =
       robot.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {}, {.name = "hear"});
   const std::string process = "patrol:" + std::to_string(getpid());
-  const CommandEnd text = robot.Run(Patiently({"graph"}));
-  EXPECT_EQ(text.status, 0);
-  EXPECT_THAT(text.out, HasSubstr("  " + process + "\n"));
-  EXPECT_THAT(text.out, HasSubstr("status        - \xE2\x94\x80\xE2\x96\xB6 " + process + " hear  process\n"));
+  EXPECT_THAT(robot.Run(Patiently({"graph"})),
+              Prints(0, AllOf(HasSubstr("  " + process + "\n"),
+                              HasSubstr("status        - \xE2\x94\x80\xE2\x96\xB6 " + process + " hear  process\n"))));
   EXPECT_THAT(robot.Run(Patiently({"graph", "--json"})).out, HasSubstr("\"kind\":\"channel\",\"channel\":\"status\""));
   EXPECT_THAT(robot.Run(Patiently({"graph", "--dot"})).out, HasSubstr("digraph hypergraph {"));
   EXPECT_THAT(robot.Run(Patiently({"graph", "--svg", "--around", "hear"})).out, HasSubstr(">hear</text>"));

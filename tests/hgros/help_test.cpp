@@ -19,11 +19,12 @@
 namespace hgros::cli {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
 TEST(HgrosHelp, ExplainsAllCommandsAndEachWithItsExamples) {
-  EXPECT_THAT(RunToEnd({"help"}), Writes(testing::AllOf(HasSubstr("  list "), HasSubstr("  echo "))));
+  EXPECT_THAT(RunToEnd({"help"}), Writes(AllOf(HasSubstr("  list "), HasSubstr("  echo "))));
   TwoAtATime(Commands().size(), [](std::size_t i) {
     const CommandEntry& entry = Commands()[i];
     if (entry.family() || entry.hidden()) return;
@@ -41,9 +42,8 @@ TEST(HgrosHelp, ExplainsAllCommandsAndEachWithItsExamples) {
     words.insert(words.begin(), "help");
     EXPECT_THAT(RunToEnd(words), Writes(end.out));
   });
-  const CommandEnd member = RunToEnd({"help", "param", "get"});
-  EXPECT_EQ(member.status, 0);
-  EXPECT_THAT(member.out, HasSubstr("Usage: hgros param get [SESSION] [PATH] [OPTIONS]\n"));
+  EXPECT_THAT(RunToEnd({"help", "param", "get"}),
+              Prints(0, HasSubstr("Usage: hgros param get [SESSION] [PATH] [OPTIONS]\n")));
   EXPECT_EQ(RunToEnd({"param", "--help"}).status, 0);
 }
 
@@ -67,9 +67,8 @@ TEST(HgrosHelp, RefusesWrongNamesAndValues) {
 
 TEST(HgrosVersion, IsThatOfTheProjectAndStandsAlone) {
   EXPECT_THAT(RunToEnd({"--version"}).out, testing::MatchesRegex("hgros [0-9]+\\.[0-9]+\\.[0-9]+\n"));
-  const CommandEnd end = RunToEnd({"--version", "extra"});
-  EXPECT_THAT(end, Ends(2, HasSubstr("--version takes nothing else, but there is \"extra\".")));
-  EXPECT_EQ(end.out, "");
+  EXPECT_THAT(RunToEnd({"--version", "extra"}),
+              AllOf(Ends(2, HasSubstr("--version takes nothing else, but there is \"extra\".")), Prints("")));
 }
 
 TEST(HgrosExamples, RunBesideARobot) {

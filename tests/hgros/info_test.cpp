@@ -39,11 +39,10 @@ std::string OneSession(RobotForCommands& robot) {
 TEST(HgrosInfo, DescribesChannelsSessionsNodesAndServices) {
   PatrolRobot patrol;
   patrol.publish(Log());
-  const CommandEnd text = patrol.robot.Run(Patiently({"info", "status"}));
-  EXPECT_THAT(text, Ends(0, ""));
-  EXPECT_THAT(text.out, AllOf(HasSubstr("channel status\n  Type         foxglove.Log\n"),
-                              HasSubstr("  Latched      2\n"), HasSubstr("\nPUBLISHER "), HasSubstr("\nSUBSCRIBER "),
-                              HasSubstr("\nhearing  patrol:"), HasSubstr("  keep last 3  "), HasSubstr("  process\n")));
+  EXPECT_THAT(patrol.robot.Run(Patiently({"info", "status"})),
+              Writes(AllOf(HasSubstr("channel status\n  Type         foxglove.Log\n"), HasSubstr("  Latched      2\n"),
+                           HasSubstr("\nPUBLISHER "), HasSubstr("\nSUBSCRIBER "), HasSubstr("\nhearing  patrol:"),
+                           HasSubstr("  keep last 3  "), HasSubstr("  process\n"))));
   const std::string json = patrol.robot.Run(Patiently({"info", "status", "--json"})).out;
   EXPECT_EQ(LinesOf(json).size(), 1U);
   EXPECT_THAT(
@@ -55,10 +54,9 @@ TEST(HgrosInfo, DescribesChannelsSessionsNodesAndServices) {
 
   for (const std::string& name :
        {std::string("patrol"), "patrol:" + std::to_string(getpid()), patrol.robot.session().id().ToString()}) {
-    const CommandEnd end = patrol.robot.Run(Patiently({"info", name}));
-    EXPECT_EQ(end.status, 0) << name;
-    EXPECT_THAT(end.out, AllOf(HasSubstr("session patrol\n"), HasSubstr("  Memory "), HasSubstr("\nSERVES\nask\n"),
-                               HasSubstr("\nhearing  status ")))
+    EXPECT_THAT(patrol.robot.Run(Patiently({"info", name})),
+                Prints(0, AllOf(HasSubstr("session patrol\n"), HasSubstr("  Memory "), HasSubstr("\nSERVES\nask\n"),
+                                HasSubstr("\nhearing  status "))))
         << name;
   }
 
@@ -69,14 +67,12 @@ TEST(HgrosInfo, DescribesChannelsSessionsNodesAndServices) {
   EXPECT_THAT(patrol.robot.Run(Patiently({"info", "ask"})).out,
               AllOf(HasSubstr("service ask\n  Request  foxglove.Log\n"), HasSubstr("\nSERVED BY\npatrol:")));
 
-  const CommandEnd unknown = patrol.robot.Run(Patiently({"info", "statsu", "patrol"}));
-  EXPECT_THAT(unknown, Ends(1, "hgros: No channel, session, node or service is called statsu. Did you mean status?\n"));
-  EXPECT_THAT(unknown.out, HasSubstr("session patrol\n"));
+  EXPECT_THAT(patrol.robot.Run(Patiently({"info", "statsu", "patrol"})),
+              AllOf(Ends(1, "hgros: No channel, session, node or service is called statsu. Did you mean status?\n"),
+                    Prints(HasSubstr("session patrol\n"))));
   EXPECT_THAT(RunToEnd({"info", "x"}, OwnDomain()),
               Ends(1, "hgros: No channel, session, node or service is called x. `hgros list` shows what there is.\n"));
-  const CommandEnd empty = patrol.robot.Run({"info", ""});
-  EXPECT_EQ(empty.status, 2);
-  EXPECT_EQ(empty.out, "");
+  EXPECT_THAT(patrol.robot.Run({"info", ""}), Prints(2, ""));
 }
 
 TEST(HgrosInfo, DescribesEverythingThatHasTheNameAndAChannelWhosePublisherDoesNotAnswer) {
@@ -87,15 +83,12 @@ TEST(HgrosInfo, DescribesEverythingThatHasTheNameAndAChannelWhosePublisherDoesNo
               AllOf(HasSubstr("channel tick\n"), HasSubstr("session tick\n"), HasSubstr("node tick\n")));
   const Subscription wished = robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {});
   CommandRun stopped({"pub", "wish", "{message: a}", "--latched"}, robot.environment());
-  ASSERT_TRUE(test::Await([&] {
-    const std::string json = robot.Run({"list", "--json"}).out;  // It is announced.
-    return json.find("\"wish\",\"type\":\"foxglove.Log\",\"publishers\":1") != std::string::npos;
-  }));
+  robot.RunUntil({"list", "--json"},  // It is announced.
+                 Prints(HasSubstr("\"wish\",\"type\":\"foxglove.Log\",\"publishers\":1")));
   stopped.Signal(SIGSTOP);
   TwoAtATime(2, [&robot](std::size_t i) {
-    const CommandEnd end = robot.Run({"info", "wish", i == 0 ? "--exact" : "--json"});
-    EXPECT_THAT(end, Ends(0, HasSubstr("does not answer; its counters are missing.")));
-    EXPECT_THAT(end.out, HasSubstr("hgros"));
+    EXPECT_THAT(robot.Run({"info", "wish", i == 0 ? "--exact" : "--json"}),
+                AllOf(Ends(0, HasSubstr("does not answer; its counters are missing.")), Prints(HasSubstr("hgros"))));
   });
 }
 

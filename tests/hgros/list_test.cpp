@@ -22,22 +22,20 @@ namespace {
 using foxglove::Log;
 using testing::AllOf;
 using testing::ContainsRegex;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
+using testing::ResultOf;
+using testing::StartsWith;
 
 TEST(HgrosList, ShowsChannelsWithTypeUsersLatchedMessagesRateAndTransports) {
   RobotForCommands robot;
   const auto publish = robot.session().Advertise<Log>("status", {.latched = 2});
   const Subscription heard = robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {});
-  CommandEnd end;  // A session announces its channels a moment after they were made.
-  (void)test::Await([&] {
-    end = robot.Run(Patiently({"list"}));
-    return LinesOf(end.out).size() == 3;
-  });
-  EXPECT_THAT(end, Ends(0, ""));
-  EXPECT_THAT(LinesOf(end.out), testing::ElementsAre("CHANNEL  TYPE          PUB  SUB  RATE  LATCHED  VIA",
-                                                     "status   foxglove.Log    1    0     -        2",
-                                                     "wish     foxglove.Log    0    1              -"));
+  robot.RunUntil(Patiently({"list"}),  // A session announces its channels a moment after they were made.
+                 Writes("CHANNEL  TYPE          PUB  SUB  RATE  LATCHED  VIA\n"
+                        "status   foxglove.Log    1    0     -        2\n"
+                        "wish     foxglove.Log    0    1              -\n"));
   const auto out = [&] { return robot.Run(Patiently({"list", "--json"})).out; };
   const std::vector<std::string> json = LinesOf(out());
   ASSERT_EQ(json.size(), 2U);
@@ -72,9 +70,7 @@ TEST(HgrosList, WaitsForSessionsThatOnlyBeaconsFind) {
   auto environment = there.environment();
   environment["HGROS_CONFIG"] = discovery;
   for (const std::vector<std::string>& command : {std::vector<std::string>{"list"}, {"info", "status"}}) {
-    EXPECT_TRUE(test::Await([&] {
-      return RunToEnd(command, environment).out.find("foxglove.Log") != std::string::npos;
-    })) << command[0];
+    RunUntil(command, environment, Prints(HasSubstr("foxglove.Log")));
   }
 }
 
@@ -87,16 +83,9 @@ TEST(HgrosList, CountsSubscribersThatOnlyThePublisherKnows) {
   RobotForCommands there("there", {}, "network: {subscribers: [" + endpoint + "]}");  // As on another host.
   const Subscription far = there.session().FromAny<Log>("status", Invoke::kSerial, [](const Log&) {});
   ASSERT_TRUE(here.session().WaitForSubscribers("status", 2, test::kPatience));
-  std::string out;
-  EXPECT_TRUE(test::Await([&] {
-    out = here.Run(Patiently({"list"})).out;
-    return out.find("status   foxglove.Log    1    2 ") != std::string::npos;
-  })) << out;
-  EXPECT_TRUE(test::Await([&] {
-    out = there.Run(Patiently({"list"})).out;
-    return out.find("status   foxglove.Log    1    1 ") != std::string::npos;
-  })) << "also publishers that only the subscriber knows: "
-      << out;
+  here.RunUntil(Patiently({"list"}), Prints(HasSubstr("status   foxglove.Log    1    2 ")));
+  // Also publishers that only the subscriber knows.
+  there.RunUntil(Patiently({"list"}), Prints(HasSubstr("status   foxglove.Log    1    1 ")));
 }
 
 TEST(HgrosList, CountsMessagesThatASubscriberDoesNotTake) {
@@ -106,8 +95,7 @@ TEST(HgrosList, CountsMessagesThatASubscriberDoesNotTake) {
       "status", Invoke::kSerial, [](const Log&) { HandedOver::CountRefusedHere(); }, {.name = "deaf"});
   ASSERT_EQ(publish(Log()), PublishStatus::kOk);
   ASSERT_TRUE(robot.session().WaitIdle(test::kPatience));
-  EXPECT_TRUE(test::Await(
-      [&] { return robot.Run(Patiently({"list"})).out.find("  LATCHED  REFUSED  VIA\n") != std::string::npos; }));
+  robot.RunUntil(Patiently({"list"}), Prints(HasSubstr("  LATCHED  REFUSED  VIA\n")));
   EXPECT_THAT(robot.Run(Patiently({"list", "--json"})).out, HasSubstr("\"refused\":1,"));
   EXPECT_THAT(robot.Run(Patiently({"info", "deaf"})).out, HasSubstr("  Refused      1\n"));
 }
@@ -116,23 +104,16 @@ TEST(HgrosList, ShowsFramesWithParentAgeAndPublisher) {
   RobotForCommands robot("patrol");
   Transforms transforms(robot.session());
   transforms.ToStaticTF("base", "laser", RigidTransform());
-  std::vector<std::string> lines;
-  (void)test::Await([&] {
-    lines = LinesOf(robot.Run({"list", "frames"}).out);
-    return !lines.empty();
-  });
-  EXPECT_THAT(lines, testing::ElementsAre("FRAME    KIND    RATE  AGE  PUBLISHER", "base",
-                                          "  laser  static             patrol"));
+  robot.RunUntil({"list", "frames"},
+                 Prints("FRAME    KIND    RATE  AGE  PUBLISHER\nbase\n  laser  static             patrol\n"));
   const NodeTimer timer = robot.session().CreateTimer("tick", std::chrono::milliseconds(20), [&](const Tick&) {
     transforms.ToTF(WallNow(), "map", "base", RigidTransform());
   });
-  ASSERT_TRUE(test::Await([&] {
-    lines = LinesOf(robot.Run({"list", "frames", "--json"}).out);
-    return lines.size() == 3;
-  }));
-  EXPECT_THAT(lines[0], testing::StartsWith("{\"frame\":\"map\",\"parent\":null,\"kind\":null,"));
-  EXPECT_THAT(lines[1], testing::StartsWith("{\"frame\":\"base\",\"parent\":\"map\",\"kind\":\"moving\","));
-  EXPECT_THAT(lines[2], HasSubstr("\"frame\":\"laser\",\"parent\":\"base\",\"kind\":\"static\""));
+  robot.RunUntil(
+      {"list", "frames", "--json"},
+      Prints(ResultOf(LinesOf, ElementsAre(StartsWith(R"({"frame":"map","parent":null,"kind":null,)"),
+                                           StartsWith(R"({"frame":"base","parent":"map","kind":"moving",)"),
+                                           HasSubstr(R"("frame":"laser","parent":"base","kind":"static")")))));
 }
 
 TEST(HgrosList, ShowsSessionsNodesAndServices) {
@@ -140,9 +121,7 @@ TEST(HgrosList, ShowsSessionsNodesAndServices) {
   const Subscription heard =
       robot.session().FromAny<Log>("wish", Invoke::kSerial, [](const Log&) {}, {.name = "granting"});
   const Service service = robot.session().Serve<Log, Log>("ask", [](const Log& log) { return log; });
-  EXPECT_TRUE(test::Await([&] {
-    return robot.Run(Patiently({"list", "services"})).out.find("ask      foxglove.Log  patrol:") != std::string::npos;
-  }));
+  robot.RunUntil(Patiently({"list", "services"}), Prints(HasSubstr("ask      foxglove.Log  patrol:")));
   EXPECT_THAT(robot.Run(Patiently({"list", "sessions"})).out, HasSubstr("patrol"));
   EXPECT_THAT(robot.Run(Patiently({"list", "nodes"})).out, HasSubstr("granting"));
   EXPECT_THAT(robot.Run(Patiently({"list", "services", "--json"})).out,
@@ -186,10 +165,8 @@ TEST(HgrosList, MeetsASessionBehindAnEndpointOrSaysWhyNot) {
   const Session secure =
       session(", security: {public_key: '" + keys.public_key + "', secret_key: '" + keys.secret_key + "'}");
   CommandRun refused({"list", "--connect", secure.PublisherEndpoints().front(), "--timeout", "1.5"}, OwnDomain());
-  const CommandEnd end =
-      RunToEnd(Patiently({"list", "--connect", robot.PublisherEndpoints().front(), "channels"}), OwnDomain());
-  EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_THAT(end.out, HasSubstr("status   foxglove.Log"));
+  EXPECT_THAT(RunToEnd(Patiently({"list", "--connect", robot.PublisherEndpoints().front(), "channels"}), OwnDomain()),
+              Prints(0, HasSubstr("status   foxglove.Log")));
   EXPECT_THAT(RunToEnd({"list", "--connect", "127.0.0.1:1", "--timeout", "0.2"}),
               Ends(3, HasSubstr("No session answers at tcp://127.0.0.1:1.")));
   EXPECT_EQ(refused.Wait(), 3);

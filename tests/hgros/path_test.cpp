@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <functional>
 #include <future>
 #include <map>
 #include <string>
@@ -23,29 +22,9 @@ namespace {
 using foxglove::Log;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr auto kWork = std::chrono::milliseconds(8);
-
-using Shows = std::function<bool(const CommandEnd&)>;
-
-Shows InOut(const std::string& part) {
-  return [part](const CommandEnd& end) { return end.out.find(part) != std::string::npos; };
-}
-Shows InErr(const std::string& part) {
-  return [part](const CommandEnd& end) { return end.err.find(part) != std::string::npos; };
-}
-
-// The command as soon as it shows that: on a busy machine, not every session answers within its second, messages may
-// not come in the time that it watches, and any hop may take longest.
-CommandEnd RunUntil(const RobotForCommands& robot, const std::vector<std::string>& words, const Shows& shows) {
-  CommandEnd end;
-  EXPECT_TRUE(test::Await([&] {
-    end = robot.Run(Patiently(words));
-    return shows(end);
-  })) << end.out
-      << end.err;
-  return end;
-}
 
 // A timer publishes scan; the session "mapper" makes map of it, which this session plans with.
 struct MappingRobot {
@@ -73,23 +52,17 @@ struct MappingRobot {
 
 TEST(HgrosPath, ShowsEachHopAndMarksTheOneThatTakesLongestOrSaysWhyThereIsNone) {
   MappingRobot mapping;
-  const CommandEnd table =
-      RunUntil(mapping.robot, {"path", "scan", "map", "--seconds", "1"}, [](const CommandEnd& one) {
-        const std::vector<std::string> rows = LinesOf(one.out);
-        return rows.size() == 4 && rows[1].find("* ") != std::string::npos;
-      });
-  EXPECT_EQ(table.status, 0) << table.err;
-  const std::vector<std::string> lines = LinesOf(table.out);
-  ASSERT_EQ(lines.size(), 4U) << table.out;
-  EXPECT_THAT(lines[0], testing::StartsWith("CHANNEL  NODE      PROCESS"));
-  EXPECT_THAT(lines[1], testing::StartsWith("scan     mapping   mapper:"));
-  EXPECT_THAT(lines[1], HasSubstr("* "));
-  EXPECT_THAT(lines[2], testing::StartsWith("map      planning  lidar:"));
-  EXPECT_THAT(lines[3], HasSubstr(" from scan until planning gets map. * takes longest."));
+  // On a busy machine, any hop may take longest.
+  mapping.robot.RunUntil(
+      Patiently({"path", "scan", "map", "--seconds", "1"}),
+      Prints(0, testing::ResultOf(
+                    LinesOf, testing::ElementsAre(StartsWith("CHANNEL  NODE      PROCESS"),
+                                                  AllOf(StartsWith("scan     mapping   mapper:"), HasSubstr("* ")),
+                                                  StartsWith("map      planning  lidar:"),
+                                                  HasSubstr(" from scan until planning gets map. * takes longest.")))));
 
-  const CommandEnd end =
-      RunUntil(mapping.robot, {"path", "timer/scan", "map", "--seconds", "1", "--json"}, InOut("\"channel\":\"map\""));
-  EXPECT_EQ(end.status, 0) << end.err;
+  const CommandEnd end = mapping.robot.RunUntil(Patiently({"path", "timer/scan", "map", "--seconds", "1", "--json"}),
+                                                Prints(0, HasSubstr("\"channel\":\"map\"")));
   const std::vector<std::string> hops = LinesOf(end.out);
   ASSERT_EQ(hops.size(), 3U) << end.out;
   double share = 0;
@@ -113,9 +86,9 @@ TEST(HgrosPath, ShowsEachHopAndMarksTheOneThatTakesLongestOrSaysWhyThereIsNone) 
   }
   EXPECT_NEAR(share, 1, 0.01);
 
-  EXPECT_THAT(
-      RunUntil(mapping.robot, {"path", "mpa", "scan", "--seconds", "0.3"}, InErr(" began on timer/scan.")),
-      Ends(1, AllOf(HasSubstr("Did you mean map?"), HasSubstr("No message on scan came from one on mpa in 0.3 s."))));
+  mapping.robot.RunUntil(Patiently({"path", "mpa", "scan", "--seconds", "0.3"}),
+                         Ends(1, AllOf(HasSubstr(" began on timer/scan."), HasSubstr("Did you mean map?"),
+                                       HasSubstr("No message on scan came from one on mpa in 0.3 s."))));
   EXPECT_THAT(mapping.robot.Run({"path", "scan", "pose", "--seconds", "0.1"}),
               Ends(1, HasSubstr("No node has handled a message on pose in 0.1 s.")));
 }
@@ -148,14 +121,8 @@ TEST(HgrosPath, PassesThroughAService) {
   locator.AwaitAnnounced();
   ASSERT_TRUE(test::Await([&] { return maps > 0; })) << "All are connected.";
   const CommandEnd end =
-      RunUntil(lidar, {"path", "scan", "map", "--seconds", "1", "--json"}, [](const CommandEnd& one) {
-        for (const std::string& hop : LinesOf(one.out)) {
-          if (hop.find("locate (request)") == std::string::npos) continue;
-          return hop.find("\"critical\":true") != std::string::npos;
-        }
-        return false;
-      });
-  EXPECT_EQ(end.status, 0) << end.err;
+      lidar.RunUntil(Patiently({"path", "scan", "map", "--seconds", "1", "--json"}),
+                     Prints(0, testing::ContainsRegex("locate \\(request\\)[^\n]*\"critical\":true")));
   std::vector<std::string> channels;
   for (const std::string& line : LinesOf(end.out)) {
     rapidjson::Document hop;
@@ -163,7 +130,6 @@ TEST(HgrosPath, PassesThroughAService) {
     channels.emplace_back(hop["channel"].GetString());
     if (channels.back() != "locate (request)") continue;
     EXPECT_GE(hop["run_p50_ns"].GetInt64(), std::chrono::nanoseconds(kWork).count());
-    EXPECT_TRUE(hop["critical"].GetBool());
   }
   EXPECT_THAT(channels, testing::ElementsAre("scan", "locate (request)", "locate (reply)", "replies (callback)", "map"))
       << end.out;
@@ -173,21 +139,21 @@ TEST(HgrosTrace, WritesSpansAndArrowsThatFitTogetherAsInItsExamples) {
   MappingRobot mapping;
   const test::ScratchFolder folder;
   const std::string file = folder / "trace.json";
-  auto unwritten = std::async(std::launch::async, RunUntil, std::cref(mapping.robot),
-                              std::vector<std::string>{"trace", "--seconds", "0.1", "-o", "/nowhere/run.json"},
-                              InErr("cannot be written"));
+  const auto run_until = [&](const std::vector<std::string>& words, const testing::Matcher<const CommandEnd&>& ends) {
+    return std::async(std::launch::async, [=, &mapping] { return mapping.robot.RunUntil(Patiently(words), ends); });
+  };
+  auto unwritten = run_until({"trace", "--seconds", "0.1", "-o", "/nowhere/run.json"},
+                             Ends(1, HasSubstr("The file /nowhere/run.json cannot be written")));
   std::vector<std::future<CommandEnd>> examples;
   for (const char* command : {"path", "trace"}) {
     for (std::vector<std::string> words : ExamplesOf(command)) {
       std::ranges::replace(words, std::string("run.json"), folder / "run.json");
       std::ranges::replace(words, std::string("5"), std::string("1"));
-      examples.push_back(std::async(std::launch::async, RunUntil, std::cref(mapping.robot), words,
-                                    [](const CommandEnd& one) { return one.status == 0; }));
+      examples.push_back(run_until(words, Ends(0)));
     }
   }
-  const CommandEnd end =
-      RunUntil(mapping.robot, {"trace", "--seconds", "1", "-o", file}, InOut(" of 2 sessions are in "));
-  EXPECT_EQ(end.status, 0) << end.err;
+  mapping.robot.RunUntil(Patiently({"trace", "--seconds", "1", "-o", file}),
+                         Prints(0, HasSubstr(" of 2 sessions are in ")));
   const std::string text = folder.Read("trace.json");
   rapidjson::Document trace;
   ASSERT_FALSE(trace.Parse(text.c_str()).HasParseError()) << text;
@@ -218,19 +184,14 @@ TEST(HgrosTrace, WritesSpansAndArrowsThatFitTogetherAsInItsExamples) {
   EXPECT_EQ(phases["M"], 2);
   EXPECT_EQ(trace["otherData"]["clocks"].Size(), 2U);
 
-  EXPECT_THAT(unwritten.get(), Ends(1, HasSubstr("The file /nowhere/run.json cannot be written")));
+  (void)unwritten.get();
   for (std::future<CommandEnd>& example : examples) EXPECT_FALSE(example.get().out.empty());
 }
 
 TEST(HgrosTrace, FailsInASentenceWhenNothingRuns) {
   RobotForCommands robot("still");
   const auto idle = robot.session().Advertise<Log>("idle");
-  CommandEnd nothing;
-  (void)test::Await([&] {
-    nothing = robot.Run(Patiently({"trace", "--seconds", "0.1"}));
-    return nothing.err.find("does not answer") == std::string::npos;
-  });
-  EXPECT_THAT(nothing, Ends(1, "hgros: No node did anything in 0.1 s.\n"));
+  robot.RunUntil(Patiently({"trace", "--seconds", "0.1"}), Ends(1, "hgros: No node did anything in 0.1 s.\n"));
 }
 
 }  // namespace

@@ -64,10 +64,9 @@ TEST(HgrosPub, PublishesOnceOrAgainAndAgainWithoutLosingAMessage) {
   RobotForCommands robot;
   const Heard heard(robot.session(), "wish");
   const Heard again(robot.session(), "wish");
-  const CommandEnd end =
-      robot.Run(Patiently({"pub", "wish", "{message: hello, level: INFO, timestamp: now}", "--json"}));
-  EXPECT_THAT(end, Writes(AllOf(HasSubstr(R"({"channel":"wish","type":"foxglove.Log","messages":1,"bytes":)"),
-                                HasSubstr(R"("subscribers":1})"))));
+  EXPECT_THAT(robot.Run(Patiently({"pub", "wish", "{message: hello, level: INFO, timestamp: now}", "--json"})),
+              Writes(AllOf(HasSubstr(R"({"channel":"wish","type":"foxglove.Log","messages":1,"bytes":)"),
+                           HasSubstr(R"("subscribers":1})"))));
   ASSERT_TRUE(heard.Await(1));
   EXPECT_THAT(heard.texts(), ElementsAre("hello"));
   EXPECT_GT(heard.last_second(), 1'700'000'000);
@@ -82,8 +81,7 @@ TEST(HgrosPub, PublishesOnceOrAgainAndAgainWithoutLosingAMessage) {
   ASSERT_TRUE(heard.Await(7 + 6));
   CommandRun run({"pub", "wish", "{message: b}", "--rate", "50"}, robot.environment());
   ASSERT_TRUE(test::Await([&] { return std::ranges::count(heard.texts(), std::string("b")) >= 3; }));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 128 + SIGINT);
+  run.End();
   EXPECT_EQ(run.out() + run.err(), "");
 }
 
@@ -105,8 +103,7 @@ TEST(HgrosPub, WaitsForSubscribersAndSaysThatThereAreNone) {
   const Heard late(robot.session(), "late");
   ASSERT_TRUE(late.Await(1));
   EXPECT_THAT(late.texts(), ElementsAre("late"));
-  latched.Signal(SIGTERM);
-  EXPECT_EQ(latched.Wait(), 128 + SIGTERM);
+  latched.End(SIGTERM);
 }
 
 struct Number {
@@ -129,8 +126,6 @@ TEST(HgrosPub, RefusesWhatItCannotPublish) {
   EXPECT_THAT(robot.Run({"pub", "wihs", "{}"}).err, HasSubstr("Did you mean wish?"));
   EXPECT_THAT(robot.Run({"pub", "wihs", "{}", "--type", "foxglove.Log"}).err,
               HasSubstr("so nobody gets the message. Did you mean wish?"));
-  EXPECT_THAT(robot.Run({"pub", "wish", "{mesage: a}"}),
-              Ends(2, "hgros: message:1:2: foxglove.Log has no field \"mesage\". Did you mean message?\n"));
   EXPECT_THAT(robot.Run({"pub", "x", "--type", "foxglove.Lgo"}).err, HasSubstr("Did you mean foxglove.Log?"));
   EXPECT_THAT(robot.Run({"pub", "wish", "{}", "--type", "foxglove.Pose"}),
               Ends(1, "hgros: wish has the type foxglove.Log, not foxglove.Pose. Leave out --type.\n"));
@@ -209,10 +204,9 @@ TEST(HgrosPub, PublishesTheLinesOfAFileAndWhatEchoWrote) {
   EXPECT_THAT(robot.Run(Patiently({"pub", "wish", "--file", folder.Write("y.jsonl", "{}\n{\"line\": -1}\n")})),
               Ends(2, AllOf(HasSubstr("hgros: Published 1 message of foxglove.Log on wish to 1 subscriber.\nhgros: "),
                             HasSubstr("y.jsonl:2:10: \"-1\" is out of range for line"))));
-  const CommandEnd other =
-      robot.Run({"pub", "wish", "--file",
-                 folder.Write("z.jsonl", R"({"type":"foxglove.Pose","publish_time_ns":1,"message":{}})")});
-  EXPECT_THAT(other.err, HasSubstr("z.jsonl:1:9: This message is of the type foxglove.Pose, not foxglove.Log."));
+  const std::string pose = folder.Write("z.jsonl", R"({"type":"foxglove.Pose","publish_time_ns":1,"message":{}})");
+  EXPECT_THAT(robot.Run({"pub", "wish", "--file", pose}).err,
+              HasSubstr("z.jsonl:1:9: This message is of the type foxglove.Pose, not foxglove.Log."));
   const std::string parts = robot.Run({"echo", "status", "--json", "--field", "message", "--once"}).out;
   EXPECT_THAT(robot.Run({"pub", "wish", "--file", folder.Write("parts.jsonl", parts)}).err,
               HasSubstr("parts.jsonl:1:1: This line of `hgros echo` has no whole message."));

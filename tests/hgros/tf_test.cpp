@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
-#include <functional>
 #include <future>
 #include <memory>
 #include <numbers>
@@ -19,8 +17,12 @@
 namespace hgros::cli {
 namespace {
 
+using testing::_;
+using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::MatchesRegex;
+using testing::ResultOf;
 
 RigidTransform Shift(double x) { return {RigidTransform::Rotation::Identity(), Eigen::Vector3d(x, 0, 0)}; }
 
@@ -41,17 +43,6 @@ class HgrosTf : public testing::Test {
     });
   }
   [[nodiscard]] CommandEnd Run(std::vector<std::string> arguments) const { return robot_->Run(std::move(arguments)); }
-  // As soon as it shows that: a command listens for a second only, and the machine may be busy.
-  [[nodiscard]] CommandEnd RunUntil(const std::vector<std::string>& arguments,
-                                    const std::function<bool(const CommandEnd&)>& shows) const {
-    CommandEnd end;
-    EXPECT_TRUE(test::Await([&] {
-      end = Run(arguments);
-      return shows(end);
-    })) << end.out
-        << end.err;
-    return end;
-  }
 
   std::unique_ptr<RobotForCommands> robot_ = std::make_unique<RobotForCommands>("robot");
   std::unique_ptr<Transforms> transforms_ = std::make_unique<Transforms>(robot_->session());
@@ -60,88 +51,61 @@ class HgrosTf : public testing::Test {
 };
 
 TEST_F(HgrosTf, ShowsAndDrawsTheTreeWithRatesAgesAndPublishers) {
+  const auto drawn = std::async(std::launch::async, [&] {
+    const auto svg = [&](const CommandEnd& /*end*/) { return folder_.Read("frames.svg"); };
+    robot_->RunUntil({"tf", "svg", "-o", folder_ / "frames.svg", "--timeout", "1"},
+                     AllOf(Ends(0), ResultOf(svg, AllOf(testing::StartsWith("<svg "), HasSubstr(">laser<")))));
+  });
+  const auto listed = std::async(std::launch::async, [&] {
+    const std::string laser =
+        R"({"frame":"laser","parent":"base","kind":"static","rate_hz":null,"age_ns":null,"publisher":"robot"})";
+    robot_->RunUntil({"list", "frames", "--json"}, Prints(ResultOf(LinesOf, ElementsAre(_, _, laser, _, _))));
+  });
   // A rate needs two transforms.
-  const auto shows_rate = [](const CommandEnd& end) {
-    return LinesOf(end.out).size() == 6 && end.out.find(" Hz ") != std::string::npos;
-  };
-  const std::string file = folder_ / "frames.svg";
-  std::string svg;
-  auto drawn = std::async(std::launch::async, [&] {
-    return RunUntil({"tf", "svg", "-o", file, "--timeout", "1"}, [&](const CommandEnd& /*end*/) {
-      svg = folder_.Read("frames.svg");
-      return svg.find(">laser<") != std::string::npos;
-    });
-  });
-  auto listed = std::async(std::launch::async, [&] {
-    return RunUntil({"list", "frames", "--json"}, [](const CommandEnd& one) { return LinesOf(one.out).size() == 5; });
-  });
-  const CommandEnd end = RunUntil({"tf", "tree"}, shows_rate);
-  EXPECT_EQ(end.status, 0) << end.err;
-  const std::vector<std::string> lines = LinesOf(end.out);
-  ASSERT_EQ(lines.size(), 6U) << end.out;
-  EXPECT_EQ(lines[1], "map");
-  EXPECT_THAT(lines[2], MatchesRegex("  base +moving +[0-9.]+ Hz +[0-9.]+ [mu]?s +robot"));
-  EXPECT_THAT(lines[3], MatchesRegex("    laser +static +robot"));
-  EXPECT_EQ(lines[4], "world");
-  const std::vector<std::string> json = LinesOf(listed.get().out);
-  ASSERT_EQ(json.size(), 5U);
-  EXPECT_EQ(json[2],
-            R"({"frame":"laser","parent":"base","kind":"static","rate_hz":null,"age_ns":null,"publisher":"robot"})");
-
-  const CommandEnd drawing = drawn.get();
-  EXPECT_EQ(drawing.status, 0) << drawing.err;
-  EXPECT_THAT(svg, testing::StartsWith("<svg "));
+  robot_->RunUntil(
+      {"tf", "tree"},
+      Prints(0,
+             ResultOf(LinesOf, ElementsAre(_, "map", MatchesRegex("  base +moving +[0-9.]+ Hz +[0-9.]+ [mu]?s +robot"),
+                                           MatchesRegex("    laser +static +robot"), "world", _))));
+  drawn.wait();
+  listed.wait();
 
   const auto clock = SimulatedClock::Paused(Time{5'000'000'000});  // Ages are time of the clock that a robot publishes.
   const ClockPublisher publishes(robot_->session(), clock);
   const NodeTimer moves = robot_->session().CreateTimer("gripper", std::chrono::milliseconds(20), [this](const Tick&) {
     transforms_->ToTF(Time{3'000'000'000}, "dock", "gripper", Shift(1));
   });
-  const CommandEnd ages = RunUntil({"tf", "tree", "--json"}, [](const CommandEnd& one) {
-    return one.out.find(R"("frame":"gripper")") != std::string::npos;
-  });
-  EXPECT_THAT(ages.out, HasSubstr(R"("age_ns":2000000000)"));
+  robot_->RunUntil({"tf", "tree", "--json"},
+                   Prints(AllOf(HasSubstr(R"("frame":"gripper")"), HasSubstr(R"("age_ns":2000000000)"))));
 }
 
 TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
-  const auto fails = [this](const std::vector<std::string>& words, const std::string& why) {
-    return std::async(std::launch::async, [=, this] {
-      const CommandEnd one =
-          RunUntil(words, [&](const CommandEnd& all) { return all.err.find(why) != std::string::npos; });
-      EXPECT_EQ(one.status, 1);
-      return one.err;
-    });
+  const auto fails = [this](const std::vector<std::string>& words, const testing::Matcher<const std::string&>& why) {
+    return std::async(std::launch::async, [=, this] { robot_->RunUntil(words, Ends(1, why)); });
   };
-  auto old = fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, "which is too old");
-  auto apart = fails({"tf", "echo", "map", "dock"}, "No edges lead from \"dock\" to \"map\"");
-  auto misspelled = fails({"tf", "echo", "map", "lasr"}, "the nearest name is");
-  const CommandEnd end = Run(Patiently({"tf", "echo", "map", "laser", "--once"}));
-  EXPECT_EQ(end.status, 0) << end.err;
-  const std::vector<std::string> lines = LinesOf(end.out);
-  ASSERT_EQ(lines.size(), 5U) << end.out;
-  EXPECT_EQ(lines[1], "position: {x: 2.0000, y: 0.5000, z: 0.0000}");
-  EXPECT_EQ(lines[2], "quaternion: {x: 0.000000, y: 0.000000, z: 0.707107, w: 0.707107}");
-  EXPECT_EQ(lines[3], "rpy_degrees: {roll: 0.00, pitch: 0.00, yaw: 90.00}");
-  const std::vector<std::string> json =
-      LinesOf(Run(Patiently({"tf", "echo", "base", "laser", "-n", "2", "--rate", "50", "--json"})).out);
-  ASSERT_EQ(json.size(), 2U);
-  EXPECT_EQ(json[1],
-            R"({"parent":"base","child":"laser","time_ns":null,"age_ns":null,"position":{"x":0.5,"y":0,"z":0},)"
-            R"("quaternion":{"x":0,"y":0,"z":0,"w":1},"rpy_degrees":{"roll":0,"pitch":0,"yaw":0}})");
+  const auto old = fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, HasSubstr("which is too old"));
+  const auto apart = fails({"tf", "echo", "map", "dock"}, HasSubstr("No edges lead from \"dock\" to \"map\""));
+  const auto misspelled =
+      fails({"tf", "echo", "map", "lasr"}, "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
+  EXPECT_THAT(
+      Run(Patiently({"tf", "echo", "map", "laser", "--once"})),
+      Prints(0, ResultOf(LinesOf, ElementsAre(_, "position: {x: 2.0000, y: 0.5000, z: 0.0000}",
+                                              "quaternion: {x: 0.000000, y: 0.000000, z: 0.707107, w: 0.707107}",
+                                              "rpy_degrees: {roll: 0.00, pitch: 0.00, yaw: 90.00}", _))));
+  EXPECT_THAT(
+      LinesOf(Run(Patiently({"tf", "echo", "base", "laser", "-n", "2", "--rate", "50", "--json"})).out),
+      ElementsAre(_,
+                  R"({"parent":"base","child":"laser","time_ns":null,"age_ns":null,"position":{"x":0.5,"y":0,"z":0},)"
+                  R"("quaternion":{"x":0,"y":0,"z":0,"w":1},"rpy_degrees":{"roll":0,"pitch":0,"yaw":0}})"));
 
-  const CommandEnd now = Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "40"});
-  EXPECT_EQ(now.status, 0) << now.err;
-  EXPECT_THAT(now.out, HasSubstr("yaw: 90.00"));
+  EXPECT_THAT(Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "40"}), Prints(0, HasSubstr("yaw: 90.00")));
   EXPECT_EQ(Run({"tf", "echo", "map", "base", "--at", "noon"}).status, 2);
-  EXPECT_THAT(old.get(), HasSubstr("which is too old"));
-  EXPECT_THAT(apart.get(), HasSubstr("No edges lead from"));
-  EXPECT_EQ(misspelled.get(), "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
 
   for (const char* command : {"tf tree", "tf echo"}) {
     for (std::vector<std::string> example : ExamplesOf(command)) {
       if (example[1] == "echo") example.emplace_back("--once");
       if (example[1] == "tree") example.insert(example.end(), {"--timeout", "0.5"});
-      (void)RunUntil(example, [](const CommandEnd& one) { return one.status == 0 && !one.out.empty(); });
+      robot_->RunUntil(example, Prints(0, testing::Not(testing::IsEmpty())));
     }
   }
 }
@@ -161,8 +125,7 @@ TEST_F(HgrosTf, WatchSaysOnceWhatIsLateAndWhatHasEnded) {
   transforms_.reset();
   robot_.reset();
   EXPECT_TRUE(watch.Prints("map -> base disappears: robot has ended or no longer sends transforms\n"));
-  watch.Signal(SIGINT);
-  EXPECT_EQ(watch.Wait(), 128 + SIGINT);
+  watch.End();
   EXPECT_EQ(watch.out().find("world"), std::string::npos);
 }
 
@@ -172,14 +135,9 @@ TEST(HgrosTfAlone, ACommandAndAComponentSendAStaticTransform) {
       test::Path("slam2d_manifests"));
   const auto environment = robot.environment();
   CommandRun sends({"tf", "static", "mast", "camera", "-0.2", "0", "0.1", "0.5", "0", "1e-3"}, environment);
-  EXPECT_TRUE(test::Await([&] {
-    const CommandEnd end = RunToEnd(Patiently({"tf", "echo", "base", "camera", "--once"}), environment);
-    return end.out.find("z: 1.1000}\n") != std::string::npos &&
-           end.out.find("rpy_degrees: {roll: 0.06, pitch: 0.00, yaw: 0.00}") != std::string::npos;
-  })) << sends.err()
-      << robot.out() << robot.err();
-  sends.Signal(SIGINT);
-  EXPECT_EQ(sends.Wait(), 128 + SIGINT);
+  RunUntil(Patiently({"tf", "echo", "base", "camera", "--once"}), environment,
+           Prints(AllOf(HasSubstr("z: 1.1000}\n"), HasSubstr("rpy_degrees: {roll: 0.06, pitch: 0.00, yaw: 0.00}"))));
+  sends.End();
   EXPECT_THAT(RunToEnd({"tf", "static", "a", "b", "0", "0", "high", "0", "0", "0"}, environment),
               Ends(2, "hgros: Z: \"high\" is not a number.\n"));
   EXPECT_EQ(RunToEnd({"tf", "static", "a", "a", "0", "0", "0", "0", "0", "0"}, environment).status, 1);
@@ -187,9 +145,9 @@ TEST(HgrosTfAlone, ACommandAndAComponentSendAStaticTransform) {
 
 TEST(HgrosTfAlone, EndsAtOnceWhenNothingSendsTransforms) {
   const RobotForCommands robot;
-  const CommandEnd tree = robot.Run({"tf", "tree"});
-  EXPECT_THAT(tree, Ends(0, "hgros: No session sends transforms. Sessions of other hosts are met with --connect.\n"));
-  EXPECT_EQ(tree.out, "");
+  EXPECT_THAT(robot.Run({"tf", "tree"}),
+              AllOf(Ends(0, "hgros: No session sends transforms. Sessions of other hosts are met with --connect.\n"),
+                    Prints("")));
   EXPECT_THAT(robot.Run({"tf", "echo", "a", "b", "--timeout", "0.1"}),
               Ends(3, "hgros: No session sends transforms.\n"));
   EXPECT_EQ(robot.Run({"tf", "svg"}).status, 1);

@@ -7,7 +7,6 @@
 #include <rapidjson/internal/regex.h>
 #include <rapidjson/schema.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -22,6 +21,7 @@
 #include "hgros/config/config.hpp"
 #include "hgros/placement/robot_file.hpp"
 #include "hgros/yaml/document.hpp"
+#include "support/error_of.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace hgros::cli {
@@ -107,12 +107,7 @@ class ConfigSchema : public testing::Test {
 
 // The first fault that the strict reader tells; empty: none.
 std::string FaultInReader(const std::string& yaml) {
-  try {
-    (void)Config::Parse(yaml);
-  } catch (const ConfigError& fault) {
-    return fault.what();
-  }
-  return {};
+  return test::ErrorOf([&] { return Config::Parse(yaml); });
 }
 
 TEST_F(ConfigSchema, UsesOnlyKeywordsThatTheseTestsKnow) {
@@ -176,15 +171,14 @@ TEST_F(ConfigSchema, AcceptsEveryDocumentedExampleAsTheReaderDoes) {
   }
 }
 
+// The last test of this file compares all keys, choices and bounds.
 TEST_F(ConfigSchema, RefusesWhatTheReaderRefuses) {
   const std::vector<std::string> broken{
       "[network]",
       "network",
-      "netwrok: {}",
       "params: {}",
       "network: 5",
       "network: []",
-      "network: {publishers: {ip: x}}",
       "network: {publisher: }",
       "network: {publisher: x}",
       "network: {publisher: {channels: [a]}}",
@@ -203,18 +197,14 @@ TEST_F(ConfigSchema, RefusesWhatTheReaderRefuses) {
       "network: {subscribers: [x]}",
       "network: {subscribers: [{ip: 'tcp://*:5553'}]}",
       "network: {subscribers: [{ip: 'tcp://robot2:*'}]}",
-      "network: {subscribers: [{ip: x, channel: [a]}]}",
       "network: {security: {public_key: short}}",
-      "network: {security: {secret: a}}",
       "network: {security: {public_key: 'Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV~hID'}}",
       "network: {security: {secret_key: 'D:)Q[IlAW!ahhC2ac:9*A}h:p?([4%wOTJ%JR%cs', secret_key_file: a}}",
       "network: {security: {allowed_clients: [short]}}",
       "network: {security: {servers: {'robot2:1': short}}}",
       "network: {peer_queue_bytes: 0}",
       "network: {peer_queue_bytes: 64Mb}",
-      "network: {heartbeat_ms: 0}",
       "network: {heartbeat_ms: '100'}",
-      "network: {peer_timeout_ms: 3600001}",
       "network: {peer_timeout_ms: 1.5}",
       "discovery: {local: maybe}",
       "discovery: {local: []}",
@@ -225,30 +215,23 @@ TEST_F(ConfigSchema, RefusesWhatTheReaderRefuses) {
       "discovery: {lan: {interfaces: [a-name-of-16-byt]}}",
       "discovery: {domain: a/b}",
       "discovery: {domain: }",
-      "shared_memory: {wait: nap}",
       "shared_memory: {wait: busy, spin_us: 20}",
-      "shared_memory: {limit_bytes: -1}",
       "time: simulation",
       "time:",
       "data_graph: {threads: many}",
-      "data_graph: {threads: 1025}",
       "data_graph: {close_channels: a}",
-      "data_graph: {nodes: {a: {queu: latest}}}",
       "data_graph: {nodes: {a: {executor: inlined}}}",
       "data_graph: {nodes: {a: {executor: {cpus: [1]}}}}",
       "data_graph: {nodes: {a: {executor: {kind: inline, cpus: [1]}}}}",
       "data_graph: {nodes: {a: {executor: {kind: dedicated, cpus: [1, 1]}}}}",
-      "data_graph: {nodes: {a: {executor: {kind: dedicated, priority: 100}}}}",
       "channels: {a: {queue: latst}}",
       "channels: {a: {queue: {}}}",
       "channels: {a: {queue: {keep_last: 0}}}",
       "channels: {a: {queue: {keep_last: 1, keep_all: 1}}}",
       "channels: {a: {queue: {keep_all: {bytes: 1}}}}",
       "channels: {a: {lossless: yes}}",
-      "channels: {a: {latched: 1000001}}",
       "channels: {a: {transports: []}}",
-      "channels: {a: {transports: [zmq, tcp]}}",
-      "channels: {a: {carriers: zmq}}"};
+      "channels: {a: {transports: [zmq, tcp]}}"};
   EXPECT_GE(broken.size(), 50U);
   for (const std::string& yaml : broken) {
     EXPECT_NE(FaultInReader(yaml), "") << yaml;

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include <foxglove/KeyValuePair.pb.h>
 #include <hgros/component/component.hpp>
@@ -15,6 +14,12 @@
 namespace {
 
 using foxglove::KeyValuePair;
+
+KeyValuePair Message(long long number) {
+  KeyValuePair message;
+  message.set_value(std::to_string(number));
+  return message;
+}
 
 // Publishes the numbers from 1 while it is active, every one to a subscriber that has room.
 class Counting {
@@ -31,9 +36,8 @@ class Counting {
   void Publish(const std::stop_token& stop) {
     auto next = std::chrono::steady_clock::now();
     for (int number = 1; !stop.stop_requested(); ++number) {
-      auto message = std::make_unique<KeyValuePair>();
-      message->set_value(std::to_string(number));
-      (void)numbers_.Wait(std::move(message), std::chrono::steady_clock::now() + std::chrono::seconds(10), stop);
+      (void)numbers_.Wait(std::make_unique<KeyValuePair>(Message(number)),
+                          std::chrono::steady_clock::now() + std::chrono::seconds(10), stop);
       next += pause_;
       std::unique_lock lock(mutex_);
       (void)never_.wait_until(lock, stop, next, [] { return false; });
@@ -66,19 +70,14 @@ class Passing {
                                                        std::chrono::steady_clock::now() + std::chrono::seconds(10));
                                   },
                                   {.name = {}, .queue = hgros::Queue::KeepAll(10'000), .executor = {}});
-    context.Serve<KeyValuePair, KeyValuePair>("count", [this](const KeyValuePair&) {
-      KeyValuePair reply;
-      reply.set_value(std::to_string(count_));
-      return reply;
-    });
+    context.Serve<KeyValuePair, KeyValuePair>("count", [this](const KeyValuePair&) { return Message(count_); });
   }
   void Activate() {
     if (begun_ && !context_.params().Get<bool>("activate")) throw std::runtime_error("it does not want to be here");
   }
   [[nodiscard]] KeyValuePair Save() const {
-    KeyValuePair state;
+    KeyValuePair state = Message(count_);
     state.set_key(std::string(bytes_, 's'));
-    state.set_value(std::to_string(count_));
     return state;
   }
   void Restore(const KeyValuePair& state) {
@@ -129,11 +128,7 @@ HGROS_COMPONENT(Judging, "moving/Judging")
 // Its state is the last number.
 class Numbered {
  public:
-  [[nodiscard]] KeyValuePair Save() const {
-    KeyValuePair state;
-    state.set_value(std::to_string(last_));
-    return state;
-  }
+  [[nodiscard]] KeyValuePair Save() const { return Message(last_); }
   void Restore(const KeyValuePair& state) { last_ = std::stoi(state.value()); }
 
  protected:
@@ -145,9 +140,7 @@ class Source : public Numbered {
  public:
   explicit Source(hgros::Context& context) : numbers_(context.Advertise<KeyValuePair>("number")) {
     context.CreateTimer("next", std::chrono::milliseconds(10), [this](const hgros::Tick&) {
-      auto message = std::make_unique<KeyValuePair>();
-      message->set_value(std::to_string(last_ + 1));
-      if (numbers_(std::move(message)) == hgros::PublishStatus::kOk) ++last_;
+      if (numbers_(std::make_unique<KeyValuePair>(Message(last_ + 1))) == hgros::PublishStatus::kOk) ++last_;
     });
   }
 

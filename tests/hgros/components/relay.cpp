@@ -159,7 +159,6 @@ class Counter {
         counts_(context.Advertise<KeyValuePair>("count")) {
     context.FromAny<KeyValuePair>("word", hgros::Invoke::kSerial, [this](const KeyValuePair& word) {
       if (word.value() == "throw") throw std::runtime_error("it does not know this word");
-      if (word.value() == "fail") context_.Fail("this word breaks it");
       if (word.value() == "echo") return Say("holds");
       if (word.value() == "secret") secret_ = true;
       if (word.value() == "slow") Wait(std::chrono::milliseconds(500));

@@ -13,14 +13,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-ChannelUser UserOf(std::uint64_t session, const std::string& process, const std::string& type = "T") {
-  ChannelUser user;
-  user.session = {session};
-  user.process = process;
-  user.host = "robot";
-  user.pid = static_cast<std::int64_t>(session);
-  user.type_name = type;
-  return user;
+ChannelUser UserOf(std::uint64_t session, const std::string& process) {
+  const auto pid = static_cast<std::int64_t>(session);
+  return {.session = {session}, .process = process, .host = "robot", .pid = pid, .type_name = "T"};
 }
 
 // A talker (1) and a listener (2), and their counters one second apart.
@@ -81,6 +76,25 @@ class DoctorChecks : public testing::Test {
       said.push_back(finding.what);
     }
     return said;
+  }
+
+  // The only advice of a check.
+  [[nodiscard]] std::string Fix(void (*check)(const Evidence&, Findings&)) const {
+    Findings findings;
+    check(evidence, findings);
+    EXPECT_EQ(findings.size(), 1U);
+    return findings.empty() ? "" : findings.front().fix;
+  }
+  // How the talker exchanges messages with the listener, in both readings.
+  void MeetOver(const std::string& transport, const std::string& why = {}) {
+    for (AllCounters* counters : {&evidence.before, &evidence.after}) {
+      Snapshot& talker = const_cast<Snapshot&>(*(*counters)[SessionId{1}]);
+      talker.clear_peers();
+      Snapshot::Peer& peer = *talker.add_peers();
+      peer.set_session(2);
+      peer.set_transport(transport);
+      peer.set_why(why);
+    }
   }
 
   Evidence evidence;
@@ -206,10 +220,7 @@ TEST_F(DoctorChecks, NameSlowCallbacksFullQueuesAndExceptions) {
                           "comes every 10.0 ms."));
   node.set_dropped(80);
   node.set_handed_over(true);
-  Findings findings;
-  CheckNodes(evidence, findings);
-  ASSERT_EQ(findings.size(), 1U);
-  EXPECT_THAT(findings[0].fix, HasSubstr("queue=hgros.KeepLast(1)"));
+  EXPECT_THAT(Fix(CheckNodes), HasSubstr("queue=hgros.KeepLast(1)"));
   EXPECT_THAT(Say(CheckNodes),
               ElementsAre(HasSubstr(
                   "listener:2 match drops 80 of 100 messages per second of \"scan\", because its queue of 4 is full")));
@@ -231,9 +242,7 @@ TEST_F(DoctorChecks, NameForbiddenChannelsAndListsOfEndpoints) {
       ElementsAre(
           "talker:1 publishes \"scan\", to which listener:2 subscribes, but no message passes. Channel \"scan\" is "
           "published, but does not leave this host: no publisher endpoint has it."));
-  Snapshot::Peer& peer = *const_cast<Snapshot&>(*evidence.after[SessionId{1}]).add_peers();
-  peer.set_session(2);
-  peer.set_transport("shared memory");
+  MeetOver("shared memory");
   EXPECT_THAT(Say(CheckForbidden), IsEmpty());
   scan.set_not_leaving("Channel \"scan\" stays.");  // The text does not matter.
   scan.set_forbidden(true);
@@ -275,21 +284,13 @@ TEST_F(DoctorChecks, QuoteNamesInCommands) {
   AddChannel("x;`reboot`", true, true);
   channel.set_not_leaving("It stays.");
   channel.set_forbidden(true);
-  Findings findings;
-  CheckForbidden(evidence, findings);
-  ASSERT_EQ(findings.size(), 1U);
-  EXPECT_EQ(findings[0].fix, "hgros control allow 'x;`reboot`' --session 'talker'\\''s:1'");
+  EXPECT_EQ(Fix(CheckForbidden), "hgros control allow 'x;`reboot`' --session 'talker'\\''s:1'");
 }
 
 TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
   AddChannel("scan", true, true);
-  Snapshot& talker = const_cast<Snapshot&>(*evidence.after[SessionId{1}]);
-  Snapshot::Peer& peer = *talker.add_peers();
-  peer.set_session(2);
-  peer.set_transport("ZeroMQ");
-  peer.set_why("another user");
-  *const_cast<Snapshot&>(*evidence.before[SessionId{1}]).add_peers() = peer;
-  talker.set_version("2");
+  MeetOver("ZeroMQ", "another user");
+  const_cast<Snapshot&>(*evidence.after[SessionId{1}]).set_version("2");
   evidence.offsets[SessionId{2}].offset = std::chrono::milliseconds(-30);
   EXPECT_THAT(Say(CheckSessions, Severity::kNote),
               ElementsAre("talker:1 and listener:2 are on one host, but exchange messages over ZeroMQ: another user.",
@@ -299,15 +300,9 @@ TEST_F(DoctorChecks, NameSocketsOnOneHostClocksAndVersions) {
 
 TEST_F(DoctorChecks, AdviseAgainstTheCauseOfSocketsOnOneHost) {
   AddChannel("scan", true, true);
-  Snapshot::Peer& peer = *const_cast<Snapshot&>(*evidence.after[SessionId{1}]).add_peers();
-  peer.set_session(2);
-  peer.set_transport("ZeroMQ");
-  *const_cast<Snapshot&>(*evidence.before[SessionId{1}]).add_peers() = peer;
   const auto advice = [&](const std::string& why) {
-    peer.set_why(why);
-    Findings findings;
-    CheckSessions(evidence, findings);
-    return findings.empty() ? std::string() : findings.front().fix;
+    MeetOver("ZeroMQ", why);
+    return Fix(CheckSessions);
   };
   EXPECT_THAT(advice("not found on this host"), HasSubstr("one user"));
   EXPECT_THAT(advice("discovery on this host is off"), HasSubstr("discovery: {local: true}"));

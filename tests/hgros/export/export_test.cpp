@@ -18,9 +18,10 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-CommandEnd Export(const std::string& kind, const RobotFolder& robot, const std::vector<std::string>& more = {}) {
+CommandEnd Export(const std::string& kind, const RobotFolder& robot, const std::vector<std::string>& options = {},
+                  const std::vector<std::string>& more = {}) {
   std::vector<std::string> words{"export", kind, robot.file()};
-  words.insert(words.end(), more.begin(), more.end());
+  for (const auto* each : {&options, &more}) words.insert(words.end(), each->begin(), each->end());
   return robot.Ask(words);
 }
 
@@ -79,19 +80,15 @@ TEST(HgrosExportCompose, ComposeReadsIt) {
 
 TEST(HgrosExportCompose, WritesAFileIntoAFolder) {
   const RobotFolder robot(kServices);
-  std::vector<std::string> words = kImage;
-  words.insert(words.end(), {"--hgros", "/opt/hgros", "--folder", robot.path("out")});
-  const CommandEnd end = Export("compose", robot, words);
-  EXPECT_EQ(end.status, 0) << end.err;
+  EXPECT_THAT(Export("compose", robot, kImage, {"--hgros", "/opt/hgros", "--folder", robot.path("out")}), Ends(0));
   EXPECT_THAT(robot.Read("out/compose.yaml"),
               AllOf(StartsWith("# Written by hgros export"), HasSubstr("working_dir: \"/robot\""),
                     HasSubstr("\"/opt/hgros\", \"run\", \"/robot/robot.yaml\"")));
 }
 
 TEST(HgrosExportCompose, SaysWhatComposeCannotHave) {
-  const CommandEnd no_image = Export("compose", RobotFolder(kServices));
-  EXPECT_EQ(no_image.status, 2);
-  EXPECT_THAT(no_image.err, HasSubstr("Give the image of the containers: --image IMAGE."));
+  EXPECT_THAT(Export("compose", RobotFolder(kServices)),
+              Ends(2, HasSubstr("Give the image of the containers: --image IMAGE.")));
   EXPECT_THAT(Export("compose", RobotFolder(kServices), {"--image", "a"}).err,
               HasSubstr("Say with --path where the file is"));
   const RobotFolder name("components: {a: {type: relay/Does}}\nprograms: {'läuft': {command: [ls]}}\n");
@@ -110,9 +107,7 @@ constexpr const char* kPod =
     "  screen: {command: [python3, -c, 'print(\"$(HOME); 100%\")'], nice: 3}\n";
 
 CommandEnd ExportPod(const RobotFolder& robot, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words = kImage;
-  words.insert(words.end(), more.begin(), more.end());
-  return Export("kubernetes", robot, words);
+  return Export("kubernetes", robot, kImage, more);
 }
 
 // What kubectl understands, with a variable that it adds: it refuses wrong types and leaves out unknown keys.
@@ -129,15 +124,14 @@ std::string ReadByKubectl(const RobotFolder& robot, const std::string& text) {
 
 TEST(HgrosExportKubernetes, ContainersHaveWhatTheRobotFileSays) {
   const RobotFolder robot(kPod);
-  const CommandEnd end = ExportPod(robot);
-  EXPECT_EQ(end.status, 0) << end.err;
   EXPECT_THAT(
-      end.out,
-      AllOf(HasSubstr("kind: Job\n"), HasSubstr("restartPolicy: OnFailure\n"),
-            HasSubstr("command: [\"taskset\", \"--cpu-list\", \"0,1\", \"nice\", \"-n\", \"-5\", \"hgros\", "
-                      "\"run\", \"/robot/robot.yaml\", \"--process=Front_1\"]\n"),
-            HasSubstr("- name: \"front-1\"\n"), HasSubstr("limits: {memory: \"200000000\"}"),
-            HasSubstr("{name: \"LEVEL\", value: \"3\"}"), HasSubstr("add: [SYS_NICE]"), HasSubstr("$$(HOME); 100%")));
+      ExportPod(robot),
+      Prints(0, AllOf(HasSubstr("kind: Job\n"), HasSubstr("restartPolicy: OnFailure\n"),
+                      HasSubstr("command: [\"taskset\", \"--cpu-list\", \"0,1\", \"nice\", \"-n\", \"-5\", \"hgros\", "
+                                "\"run\", \"/robot/robot.yaml\", \"--process=Front_1\"]\n"),
+                      HasSubstr("- name: \"front-1\"\n"), HasSubstr("limits: {memory: \"200000000\"}"),
+                      HasSubstr("{name: \"LEVEL\", value: \"3\"}"), HasSubstr("add: [SYS_NICE]"),
+                      HasSubstr("$$(HOME); 100%"))));
 }
 
 TEST(HgrosExportKubernetes, KubectlUnderstandsIt) {
@@ -184,9 +178,7 @@ constexpr const char* kAll =
     "  screen: {command: [python3, -c, 'print(\"$HOME; 100%\")'], priority: 20, restart: always}\n";
 
 CommandEnd ExportUnits(const RobotFolder& robot, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words{"--folder", robot.path("units")};
-  words.insert(words.end(), more.begin(), more.end());
-  return Export("systemd", robot, words);
+  return Export("systemd", robot, {"--folder", robot.path("units")}, more);
 }
 
 // What systemd-analyze says of all units in the folder; "no systemd-analyze" if it is not installed.
@@ -261,9 +253,8 @@ TEST(HgrosExportSystemd, UnitsOfTheSystemRunAsTheUser) {
               AllOf(HasSubstr("\nUser=robot\n"), HasSubstr("\nEnvironment=XDG_RUNTIME_DIR=/run/hgros-robot\n"),
                     HasSubstr("\nExecStart=/opt/bin/hgros run /etc/robot/robot.yaml --process=front\n"),
                     HasSubstr("\nWorkingDirectory=/etc/robot\n")));
-  const CommandEnd end = ExportUnits(robot, {"--user", "a b", "--force"});
-  EXPECT_EQ(end.status, 2);
-  EXPECT_THAT(end.err, HasSubstr("\"a b\" cannot be the name of a user."));
+  EXPECT_THAT(ExportUnits(robot, {"--user", "a b", "--force"}),
+              Ends(2, HasSubstr("\"a b\" cannot be the name of a user.")));
 }
 
 TEST(HgrosExportSystemd, VariablesOfTheFileBecomePartOfTheUnits) {
@@ -281,9 +272,7 @@ TEST(HgrosExportSystemd, OneHostHasItsPart) {
   const RobotFolder robot(
       "hosts: {cart: {address: 10.0.0.1, home: true}, base: {address: 10.0.0.2}}\n"
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\nprocesses: {p: {components: [a], host: base}}\n");
-  const CommandEnd end = ExportUnits(robot);
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.err, HasSubstr("runs on the host \"base\""));
+  EXPECT_THAT(ExportUnits(robot), Ends(1, HasSubstr("runs on the host \"base\"")));
   ASSERT_EQ(ExportUnits(robot, {"--host", "base"}).status, 0);
   EXPECT_THAT(robot.Read("units/robot-p.service"), HasSubstr(" --process=p --host=base\n"));
   EXPECT_FALSE(std::filesystem::exists(robot.path("units/robot-main.service")));
@@ -295,9 +284,7 @@ TEST(HgrosExportSystemd, ReplacesNoOtherFile) {
   ASSERT_EQ(ExportUnits(robot).status, 0) << "They are the same.";
   std::ofstream(robot.path("units/robot-main.service"), std::ios::app) << "# Mine\n";
   std::filesystem::remove(robot.path("units/robot.target"));
-  const CommandEnd end = ExportUnits(robot);
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.err, HasSubstr("robot-main.service is there already, with another text."));
+  EXPECT_THAT(ExportUnits(robot), Ends(1, HasSubstr("robot-main.service is there already, with another text.")));
   EXPECT_FALSE(std::filesystem::exists(robot.path("units/robot.target"))) << "All or none.";
   EXPECT_EQ(ExportUnits(robot, {"--force"}).status, 0);
   EXPECT_THAT(robot.Read("units/robot-main.service"), AllOf(HasSubstr("[Unit]"), Not(HasSubstr("# Mine"))));

@@ -89,8 +89,7 @@ TEST(HgrosService, TellsSystemdWhenItRunsLivesAndEndsButNothingWhileItIsStopped)
   EXPECT_EQ(manager.notices().size(), before);
   run.Signal(SIGCONT);
   EXPECT_TRUE(test::Await([&] { return manager.notices().size() > before; }));
-  run.Signal(SIGTERM);
-  EXPECT_EQ(run.Wait(), 128 + SIGTERM);
+  run.End(SIGTERM);
   EXPECT_TRUE(manager.Hears("STOPPING=1"));
   EXPECT_THAT(run.err(), HasSubstr("a: I end.\n"));
 }
@@ -135,10 +134,8 @@ TEST(HgrosService, TheExitCodeSaysWhatHasEnded) {
   EXPECT_EQ(end("finish", "", "]").status, 0);
   EXPECT_EQ(end("fail", "", "]").status, 1);
   EXPECT_EQ(end("finish", ", essential: true", ", b]").status, 0);
-  const CommandEnd essential = end("fail", ", essential: true", ", b]");
-  EXPECT_EQ(essential.status, 1);
-  EXPECT_THAT(essential.err,
-              AllOf(HasSubstr("a: error: It has failed: the laser is broken\n"), HasSubstr("b: I end.")));
+  EXPECT_THAT(end("fail", ", essential: true", ", b]"),
+              Ends(1, AllOf(HasSubstr("a: error: It has failed: the laser is broken\n"), HasSubstr("b: I end."))));
   EXPECT_EQ(end("fail", "", ", b], restart: on-failure").status, 1) << "So systemd starts it again.";
   EXPECT_EQ(end("throw at start", "", "]").status, 1);
 }
@@ -148,8 +145,7 @@ TEST(HgrosService, SystemdHearsByTheExitCodeThatAnEssentialComponentHasEnded) {
     const RobotFolder robot("components: {a: {type: relay/Does, essential: true, params: {what: " +
                             std::string(fails ? "fail" : "finish") + "}}, b: {type: relay/Does}}\n");
     NotifySocket manager(robot.path("notify"));
-    const CommandEnd end = RunToEnd(robot.Arguments({"--process", "main"}), manager.EnvironmentOf(robot));
-    EXPECT_EQ(end.status, fails ? 11 : 10) << end.err;
+    EXPECT_THAT(RunToEnd(robot.Arguments({"--process", "main"}), manager.EnvironmentOf(robot)), Ends(fails ? 11 : 10));
   }
 }
 
@@ -164,8 +160,7 @@ TEST(HgrosService, AComponentIsConstructedAgainInPlaceUntilItIsTooOftenWhichIsSa
   ASSERT_TRUE(test::Await([&] { return Times(run.err(), "c: error: " + said) > 0; })) << run.err();
   test::Linger(std::chrono::milliseconds(300));  // Some more exceptions.
   EXPECT_EQ(Times(run.err(), "c: error: " + said), 1U) << run.err();
-  run.Signal(SIGTERM);
-  EXPECT_EQ(run.Wait(), 128 + SIGTERM);
+  run.End(SIGTERM);
 }
 
 TEST(HgrosService, AFaultOfAnotherProcessDoesNotMatter) {
@@ -173,9 +168,7 @@ TEST(HgrosService, AFaultOfAnotherProcessDoesNotMatter) {
       "components: {a: {type: relay/Does, params: {what: finish}}, b: {type: relay/Does, params: {what: throw at "
       "start}}}\nprocesses: {p: {components: [a]}}\n");
   EXPECT_EQ(RunProcess(robot, "p").status, 0);
-  const CommandEnd faulty = RunProcess(robot, "main");
-  EXPECT_EQ(faulty.status, 1);
-  EXPECT_THAT(faulty.err, HasSubstr("there is no laser at /dev/ttyUSB0"));
+  EXPECT_THAT(RunProcess(robot, "main"), Ends(1, HasSubstr("there is no laser at /dev/ttyUSB0")));
 }
 
 TEST(HgrosService, AProcessAloneIsNotDetached) {

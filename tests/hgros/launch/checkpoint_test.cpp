@@ -4,7 +4,7 @@
 #include <signal.h>
 
 #include <chrono>
-#include <future>
+#include <functional>
 #include <regex>
 #include <string>
 #include <vector>
@@ -23,8 +23,13 @@ using testing::Not;
 
 // The robot's counter hears a word.
 void Say(const RunningRobot& robot, const std::string& word) {
-  const CommandEnd end = robot.Ask(Patiently({"pub", "word", "{value: " + word + "}"}));
-  EXPECT_EQ(end.status, 0) << end.err;
+  EXPECT_THAT(robot.Ask(Patiently({"pub", "word", "{value: " + word + "}"})), Ends(0));
+}
+
+// Whether the counter has counted so much when it has heard the word.
+bool CountsAfter(const RunningRobot& robot, const std::string& word, int count) {
+  Say(robot, word);
+  return robot.Prints("counts " + std::to_string(count) + ".");
 }
 
 // Whether the starter gets a checkpoint with this count.
@@ -38,17 +43,14 @@ TEST(HgrosCheckpoint, AKilledProcessGoesOnFromTheLastCheckpointWithChangedParame
       "processes: {p: {components: [counter], restart: on-failure}}\n");
   ASSERT_TRUE(robot.Prints("other    I run."));
   Say(robot, "one");
-  Say(robot, "two");
-  ASSERT_TRUE(robot.Prints("counts 2."));
+  ASSERT_TRUE(CountsAfter(robot, "two", 2));
   ASSERT_TRUE(HasCheckpoint(robot, 2));
-  const CommandEnd set = robot.Ask(Patiently({"param", "set", "counter", "step", "5"}));
-  ASSERT_EQ(set.status, 0) << set.err;
+  ASSERT_THAT(robot.Ask(Patiently({"param", "set", "counter", "step", "5"})), Ends(0));
   Say(robot, "echo");
   ASSERT_TRUE(robot.Prints("holds 2."));  // What was said before has reached the starter, too.
   ASSERT_EQ(kill(PidsIn(robot.out()).at(0), SIGKILL), 0);
   EXPECT_TRUE(robot.Prints("begins at 2."));
-  Say(robot, "three");
-  EXPECT_TRUE(robot.Prints("counts 7."));
+  EXPECT_TRUE(CountsAfter(robot, "three", 7));
   Say(robot, "secret");
   const std::string told = "its state is secret";
   ASSERT_TRUE(robot.Prints(told));
@@ -123,14 +125,11 @@ TEST(HgrosCheckpoint, ComponentsOfAProcessAreConstructedAgainAtOnce) {
       "processes: {p: {components: [a, b, c]}}\n");
   ASSERT_TRUE(robot.Prints("c  I run."));
   for (int round = 0; round < 5; ++round) {
-    std::vector<std::future<CommandEnd>> restarts;
-    for (const std::string name : {"a", "b", "c", "a"}) {
-      restarts.push_back(std::async(std::launch::async, [&robot, name] { return robot.Ask({"restart", name}); }));
+    std::vector<std::function<void()>> restarts;
+    for (const char* name : {"a", "b", "c", "a"}) {
+      restarts.emplace_back([&robot, name] { EXPECT_THAT(robot.Ask({"restart", name}), Ends(0)); });
     }
-    for (std::future<CommandEnd>& one : restarts) {
-      const CommandEnd end = one.get();
-      EXPECT_EQ(end.status, 0) << end.err;
-    }
+    test::AtOnce(restarts);
   }
   EXPECT_THAT(robot.Ask({"ps"}).out, Not(HasSubstr("ended")));
   EXPECT_THAT(robot.out(), Not(HasSubstr("is killed")));
@@ -153,18 +152,15 @@ TEST(HgrosCheckpoint, ARestartOfAComponentKeepsItsStateAndItsParameters) {
       "components: {counter: {type: relay/Counter}, other: {type: relay/Does}}\n"
       "processes: {p: {components: [counter]}}\n");
   ASSERT_TRUE(robot.Prints("other    I run."));
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_TRUE(CountsAfter(robot, "one", 1));
   ASSERT_EQ(robot.Ask(Patiently({"param", "set", "counter", "step", "5"})).status, 0);
   EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
   EXPECT_TRUE(robot.Prints("begins at 1."));
   EXPECT_THAT(robot.Ask(Patiently({"param", "get", "counter", "step"})).out, HasSubstr("5"));
-  Say(robot, "two");
-  EXPECT_TRUE(robot.Prints("counts 6."));
+  EXPECT_TRUE(CountsAfter(robot, "two", 6));
   ASSERT_EQ(robot.Ask(Patiently({"param", "set", "counter", "step", "7"})).status, 0) << "Changes are still kept.";
   EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
-  Say(robot, "three");
-  EXPECT_TRUE(robot.Prints("counts 13."));
+  EXPECT_TRUE(CountsAfter(robot, "three", 13));
 }
 
 TEST(HgrosCheckpoint, AParameterThatTheComponentRefusesIsNotKept) {
@@ -189,13 +185,11 @@ TEST(HgrosCheckpoint, AComponentThatThrowsIsConstructedAgainAlone) {
       "relay/Does}}\n");
   ASSERT_TRUE(robot.Prints("I run."));
   const std::vector<pid_t> pids = PidsIn(robot.out());
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_TRUE(CountsAfter(robot, "one", 1));
   ASSERT_TRUE(HasCheckpoint(robot, 1));
   Say(robot, "throw");
   EXPECT_TRUE(robot.Prints("begins at 1."));
-  Say(robot, "two");
-  EXPECT_TRUE(robot.Prints("counts 2."));
+  EXPECT_TRUE(CountsAfter(robot, "two", 2));
   for (const pid_t pid : pids) EXPECT_TRUE(Runs(pid));
   EXPECT_THAT(robot.out(),
               AllOf(HasSubstr("It is constructed again, because it has failed: it does not know this word"),
@@ -207,8 +201,7 @@ TEST(HgrosCheckpoint, AComponentThatIsLateIsConstructedAgainAlone) {
       "components:\n  counter: {type: relay/Counter, checkpoint: 20ms, deadline: 200ms, restart: on-deadline}\n"
       "  other: {type: relay/Does}\n");
   ASSERT_TRUE(robot.Prints("I run."));
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_TRUE(CountsAfter(robot, "one", 1));
   ASSERT_TRUE(HasCheckpoint(robot, 1));
   Say(robot, "slow");
   EXPECT_TRUE(robot.Prints("Its deadline is 200.0 ms."));
@@ -254,10 +247,9 @@ void AComponentThatFailsIsConstructedAgainUntilItIsTooOften() {
       "components: {a: {type: relay/Does, params: {what: fail}, restart: on-failure, essential: true}, b: {type: "
       "relay/Does}}\n");
   const CommandEnd end = folder.Run();
-  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end, Ends(1, HasSubstr("\"a\" is essential")));
   EXPECT_THAT(end.out, AllOf(HasSubstr("It is constructed again, because it has failed: the laser is broken"),
                              HasSubstr("It has failed: the laser is broken")));
-  EXPECT_THAT(end.err, HasSubstr("\"a\" is essential"));
   EXPECT_EQ(Times(end.out, "It is constructed again"), 5U);
 }
 
@@ -284,8 +276,7 @@ void ARestartOfAComponentThatHangsAtItsEndLosesNoState() {
       "components: {other: {type: relay/Does}, counter: {type: relay/Counter, params: {hangs_at_end: true}}}\n"
       "processes: {p: {components: [other, counter]}}\n");
   ASSERT_TRUE(robot.Prints("other    I run."));
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_TRUE(CountsAfter(robot, "one", 1));
   EXPECT_EQ(robot.Ask({"restart", "counter"}).status, 0);
   EXPECT_TRUE(robot.Prints("other    I end."));
   EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
@@ -297,8 +288,7 @@ void ARestartOfAComponentThatHangsStartsItsProcessAgain() {
       "components: {counter: {type: relay/Counter, checkpoint: 20ms}, other: {type: relay/Does}}\n"
       "processes: {p: {components: [counter]}}\n");
   ASSERT_TRUE(robot.Prints("other    I run."));
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_TRUE(CountsAfter(robot, "one", 1));
   ASSERT_TRUE(HasCheckpoint(robot, 1));
   Say(robot, "hang");
   ASSERT_TRUE(robot.Prints("There is no new checkpoint: ")) << "It hangs.";
@@ -306,8 +296,7 @@ void ARestartOfAComponentThatHangsStartsItsProcessAgain() {
   EXPECT_TRUE(robot.Prints("It ends first, so the messages that wait for it are lost."));
   EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
   EXPECT_TRUE(robot.Prints("begins at 1."));
-  Say(robot, "two");
-  EXPECT_TRUE(robot.Prints("counts 2."));
+  EXPECT_TRUE(CountsAfter(robot, "two", 2));
 }
 
 void TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAgain() {
@@ -315,8 +304,7 @@ void TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAgain() {
       "components:\n  counter: {type: relay/Counter, checkpoint: 20ms, deadline: 200ms, restart: on-deadline}\n"
       "  other: {type: relay/Does}\n");
   ASSERT_TRUE(robot.Prints("I run."));
-  Say(robot, "one");
-  ASSERT_TRUE(robot.Prints("counts 1."));
+  ASSERT_TRUE(CountsAfter(robot, "one", 1));
   ASSERT_TRUE(HasCheckpoint(robot, 1));
   Say(robot, "hang");
   EXPECT_TRUE(robot.Prints("has run for "));
@@ -324,8 +312,7 @@ void TheProcessOfACallbackThatDoesNotReturnIsKilledAndStartsAgain() {
   EXPECT_TRUE(robot.Prints("other    I end."));
   EXPECT_TRUE(robot.Prints("It did not end in time, and is killed."));
   EXPECT_TRUE(robot.Prints("begins at 1."));
-  Say(robot, "two");
-  EXPECT_TRUE(robot.Prints("counts 2."));
+  EXPECT_TRUE(CountsAfter(robot, "two", 2));
 }
 
 TEST(HgrosCheckpoint, WhatHangsIsKilledAndGoesOn) {

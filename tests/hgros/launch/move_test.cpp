@@ -46,15 +46,12 @@ constexpr const char* kMoving =
 
 class MovingRobot : public RunningRobot {
  public:
-  explicit MovingRobot(const std::string& text = kMoving) : RunningRobot(text) {}
-
-  [[nodiscard]] bool Begins() {
-    const auto runs = [this] {
-      const CommandEnd ps = Ask({"ps"});
-      return ps.status == 0 && ps.out.find("starting") == std::string::npos;
-    };
-    return Prints("judging") && test::Await(runs) && Flows();
+  explicit MovingRobot(const std::string& text = kMoving) : RunningRobot(text) {
+    EXPECT_TRUE(Prints("judging"));
+    AskUntil({"ps"}, cli::Prints(0, Not(HasSubstr("starting"))));
+    EXPECT_TRUE(Flows()) << out();
   }
+
   [[nodiscard]] CommandEnd Move(const std::string& to, const std::string& component = "passing") const {
     return Ask({"move", component, "--to", to});
   }
@@ -107,14 +104,11 @@ class MovingRobot : public RunningRobot {
 
 TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
   MovingRobot robot;
-  ASSERT_TRUE(robot.Begins()) << robot.out();
   const pid_t process = robot.PidOf("a");
   int before = robot.Count();
   const int restarts = test::Rounds(4, 8);
   for (int times = 0; times < restarts; ++times) {  // One right after the other, and while many messages come.
-    const CommandEnd end = robot.Ask({"restart", "passing"});
-    EXPECT_EQ(end.status, 0) << end.err << robot.out();
-    EXPECT_EQ(end.out + end.err, "");
+    EXPECT_THAT(robot.Ask({"restart", "passing"}), Writes("")) << robot.out();
     if (times % 2 == 0) continue;
     ASSERT_TRUE(test::Await([&] { return robot.Count() > before + 1000; }));
     before = robot.Count();
@@ -123,8 +117,7 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
   for (const std::string to : {"b", "c"}) {  // A restart waits for the end of the move.
     EXPECT_EQ(robot.Move(to).status, 0) << robot.out();
-    const CommandEnd restart = robot.Ask({"restart", "passing"});
-    EXPECT_EQ(restart.status, 0) << restart.err;
+    EXPECT_THAT(robot.Ask({"restart", "passing"}), Ends(0));
     EXPECT_EQ(robot.Places(), std::vector{to});
   }
   EXPECT_TRUE(robot.Flows());
@@ -136,8 +129,7 @@ TEST(HgrosMove, LosesNothingAndRepeatsNothingAsARestartOfTheComponent) {
       EXPECT_TRUE(test::Await([&] { return robot.Places().size() == 1; }));
       continue;
     }
-    EXPECT_EQ(end.status, 0) << end.err << robot.out();
-    EXPECT_EQ(end.out + end.err, "");
+    EXPECT_THAT(end, Writes("")) << robot.out();
     EXPECT_EQ(robot.Places(), std::vector{to});
   }
   EXPECT_TRUE(robot.Flows());
@@ -160,7 +152,6 @@ TEST(HgrosMove, WaitsForALosslessSubscriberThatStandsStill) {
       "  takes: {components: [judging]}\n"
       "  a: {components: [passing]}\n"
       "  b: {}\n");
-  ASSERT_TRUE(robot.Begins()) << robot.out();
   const pid_t takes = robot.PidOf("takes");
   for (const std::string to : {"b", "a"}) EXPECT_EQ(robot.Move(to).status, 0) << "Both places are connected then.";
   EXPECT_TRUE(robot.Flows());
@@ -185,11 +176,9 @@ TEST(HgrosMove, ASubscriberWhoseProcessHasEndedHoldsNothingUp) {
   text.replace(text.find("  does:"), 0, "  other: {type: moving/Judging, remap: {ask: ask_other}}\n");
   text.replace(text.find("[witness]"), 9, "[witness, other]");
   MovingRobot robot(text);
-  ASSERT_TRUE(robot.Begins()) << robot.out();
   ASSERT_EQ(kill(robot.PidOf("beside"), SIGKILL), 0);
   ASSERT_TRUE(robot.Prints("it was ended by SIGKILL")) << robot.out();
-  const CommandEnd moved = robot.Move("b");
-  EXPECT_EQ(moved.status, 0) << moved.err;
+  EXPECT_THAT(robot.Move("b"), Ends(0));
   EXPECT_TRUE(robot.Flows()) << robot.out();
 }
 
@@ -206,11 +195,9 @@ TEST(HgrosMove, AComponentFollowsItsPublisherToAPlaceWhichThatHasLeft) {
       "  a: {components: [first]}\n"
       "  b: {components: [passing]}\n"
       "  c: {}\n");
-  ASSERT_TRUE(robot.Begins()) << robot.out();
   for (const auto& [component, to] : std::vector<std::pair<std::string, std::string>>{
            {"first", "c"}, {"first", "a"}, {"passing", "c"}, {"passing", "a"}, {"passing", "b"}}) {
-    const CommandEnd end = robot.Move(to, component);
-    EXPECT_EQ(end.status, 0) << end.err << robot.out();
+    EXPECT_THAT(robot.Move(to, component), Ends(0)) << robot.out();
   }
   EXPECT_TRUE(robot.Flows());
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
@@ -226,12 +213,10 @@ TEST(HgrosMove, APublisherFollowsItsSlowSubscriberWithoutOvertakingWhatWaits) {
       "  ends: {components: [judging]}\n"
       "  a: {components: [source, slow]}\n"
       "  b: {}\n");
-  ASSERT_TRUE(robot.Begins()) << robot.out();
   ASSERT_TRUE(robot.Prints("has 50.")) << robot.out();  // Its queue is full.
   for (const std::string to : {"b", "a", "b"}) {
     for (const std::string component : {"slow", "source"}) {
-      const CommandEnd end = robot.Move(to, component);
-      EXPECT_EQ(end.status, 0) << end.err << robot.out();
+      EXPECT_THAT(robot.Move(to, component), Ends(0)) << robot.out();
     }
   }
   const int now = robot.Count();
@@ -249,10 +234,8 @@ TEST(HgrosMove, StaysIfNothingLeadsFromItsPublisherToTheNewPlace) {
       "processes:\n"
       "  a: {components: [source, slow, judging]}\n"
       "  b: {}\n");
-  ASSERT_TRUE(robot.Begins()) << robot.out();
-  const CommandEnd end = robot.Move("b", "slow");
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.err, HasSubstr("Not all publishers of the channel \"number\" were connected after 10 s."));
+  EXPECT_THAT(robot.Move("b", "slow"),
+              Ends(1, HasSubstr("Not all publishers of the channel \"number\" were connected after 10 s.")));
   EXPECT_THAT(robot.Ask({"ps"}).out, testing::ContainsRegex("slow +moving/Slow +a "));
   EXPECT_TRUE(robot.Flows());
   EXPECT_THAT(robot.out(), Not(HasSubstr("warning: got "))) << robot.out();
@@ -260,7 +243,6 @@ TEST(HgrosMove, StaysIfNothingLeadsFromItsPublisherToTheNewPlace) {
 
 TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
   MovingRobot robot;
-  ASSERT_TRUE(robot.Begins()) << robot.out();
   RobotForCommands desk("desk", robot.domain());
   RemoteParams params(desk.session(), "passing");
   std::mt19937 random(11);
@@ -288,7 +270,6 @@ TEST(HgrosMove, ParametersThatAreSetMeanwhileAreKept) {
 
 TEST(HgrosMove, StaysAndSaysWhyItCannot) {
   MovingRobot robot(std::string(kMoving) + "programs: {program: {command: [sleep, 100d]}}\n");
-  ASSERT_TRUE(robot.Begins());
   const auto fault = [&](const std::vector<std::string>& words) {
     const CommandEnd end = robot.Ask(words);
     EXPECT_NE(end.status, 0);
@@ -306,10 +287,9 @@ TEST(HgrosMove, StaysAndSaysWhyItCannot) {
               AllOf(HasSubstr("\"does\" was not moved to \"a\". It runs on in \"c\"."),
                     HasSubstr("Give it Save() and Restore().")));
   ASSERT_EQ(robot.Ask(Patiently({"param", "set", "passing", "activate", "false"})).status, 0);
-  const CommandEnd end = robot.Move("b");
-  EXPECT_EQ(end.status, 1);
-  EXPECT_THAT(end.err,
-              HasSubstr("It runs on in \"a\". Component \"passing\" (moving/Passing): it does not want to be here"));
+  EXPECT_THAT(
+      robot.Move("b"),
+      Ends(1, HasSubstr("It runs on in \"a\". Component \"passing\" (moving/Passing): it does not want to be here")));
   EXPECT_EQ(robot.Places(), std::vector<std::string>{"a"});
   EXPECT_TRUE(robot.Flows()) << robot.out();
   EXPECT_THAT(robot.Faults(), IsEmpty()) << robot.out();
@@ -371,7 +351,6 @@ TEST(HgrosMove, WhoeverIsKilledOrStoppedOnePlaceRunsIt) {
   int left = wanted == nullptr ? kRoundsOfARobot : std::stoi(wanted);
   while (left > 0 && !testing::Test::HasFailure()) {
     MovingRobot robot;
-    ASSERT_TRUE(robot.Begins()) << robot.out();
     for (int round = 0; round < kRoundsOfARobot && !testing::Test::HasFailure(); ++round, --left) {
       const std::vector<std::string> at = robot.Places();
       ASSERT_EQ(at.size(), 1U) << robot.out();

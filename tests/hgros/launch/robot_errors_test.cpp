@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -43,16 +44,11 @@ std::vector<ErrorCase> Cases() {
 std::string Said(const ErrorCase& one) {
   const RobotFolder robot(one.text);
   std::istringstream in(one.words);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
+  std::vector<std::string> words(std::istream_iterator<std::string>(in), {});
   words.insert(words.begin() + 1, robot.file());
   const CommandEnd end = robot.Ask(words);
   EXPECT_NE(end.status, 0) << one.name;
-  std::string said = end.out + end.err;
-  const std::string folder = robot.path("").string();
-  for (std::size_t at = said.find(folder); at != std::string::npos; at = said.find(folder)) {
-    said.erase(at, folder.size());
-  }
+  const std::string said = std::regex_replace(end.out + end.err, std::regex(robot.path("").string()), "");
   return std::regex_replace(said, std::regex("Looked in: .*"), "Looked in: FOLDERS");
 }
 

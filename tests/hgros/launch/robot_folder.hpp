@@ -1,7 +1,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -51,6 +50,9 @@ class RobotFolder {
   }
   [[nodiscard]] CommandEnd Run(const std::vector<std::string>& more = {}) const { return Ask(Arguments(more)); }
   [[nodiscard]] CommandEnd Ask(const std::vector<std::string>& words) const { return RunToEnd(words, environment()); }
+  CommandEnd AskUntil(const std::vector<std::string>& words, const testing::Matcher<const CommandEnd&>& ends) const {
+    return RunUntil(words, environment(), ends);
+  }
   /// What sessions of its domain have left where sessions find each other.
   [[nodiscard]] std::vector<std::string> FilesLeft() const {
     const std::string user = std::to_string(geteuid());
@@ -85,24 +87,13 @@ class RunningRobot : public RobotFolder, public CommandRun {
   explicit RunningRobot(const std::string& text, const std::string& manifests = test::Path("words_manifests"))
       : RobotFolder(text, manifests), CommandRun(Arguments(), environment()) {}
   ~RunningRobot() {
-    if (!waited_) End();
+    if (!ended()) End();
   }
 
   /// Waits until the output contains `text` as often.
   [[nodiscard]] bool Prints(const std::string& text, std::size_t times = 1) const {
     return test::Await([&] { return Times(out(), text) >= times; });
   }
-  int Wait() {
-    waited_ = true;
-    return CommandRun::Wait();
-  }
-  void End(int signal = SIGINT) {
-    Signal(signal);
-    EXPECT_EQ(Wait(), 128 + signal) << out() << err();
-  }
-
- private:
-  bool waited_ = false;
 };
 
 /// Two hosts with keys: "desk", where the robot is at home, and "base".

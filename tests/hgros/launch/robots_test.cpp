@@ -14,7 +14,6 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,16 +58,13 @@ TEST(HgrosRobots, PsTellsHowAProcessHasEnded) {
       "components: {a: {type: relay/Does}, b: {type: relay/Does}}\nprocesses: {p: {components: [a]}}\n"
       "programs: {ends: {command: [sh, -c, 'exit 3']}, done: {command: [\"true\"]}}\n");
   ASSERT_EQ(kill(PidsIn(robot.started()).at(0), SIGKILL), 0);
-  const auto shows = [&](const std::string& name, const std::string& state) {
-    return test::Await([&] {
-      return std::regex_search(robot.Ask({"ps", "--json"}).out,
-                               std::regex(name + "\"[^\n]*\"state\":\"" + state + "\""));
-    });
+  const auto shows = [](const std::string& name, const std::string& state) {
+    return ContainsRegex("\"" + name + "\"[^\n]*\"state\":\"" + state + "\"");
   };
-  EXPECT_TRUE(shows("\"component\":\"a", "ended by SIGKILL"));
-  EXPECT_TRUE(shows("\"process\":\"ends", "ended with code 3"));
-  EXPECT_TRUE(shows("\"process\":\"done", "ended"));
-  EXPECT_TRUE(shows("\"component\":\"b", "running"));
+  robot.AskUntil(
+      {"ps", "--json"},
+      Prints(AllOf(shows("component\":\"a", "ended by SIGKILL"), shows("process\":\"ends", "ended with code 3"),
+                   shows("process\":\"done", "ended"), shows("component\":\"b", "running"))));
 }
 
 TEST(HgrosRobots, ADetachedRobotIsListedAndStoppedAlsoBesideAnother) {
@@ -76,20 +72,12 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStoppedAlsoBesideAnother) {
   EXPECT_THAT(robot.started(), HasSubstr("COMPONENT"));
   const std::vector<pid_t> pids = PidsIn(robot.started());
   ASSERT_EQ(pids.size(), 3U);
-  CommandEnd list;
-  EXPECT_TRUE(test::Await([&] {
-    list = robot.Ask({"ps"});
-    return list.out.find("finished") != std::string::npos && list.out.find("starting") == std::string::npos;
-  }));
-  EXPECT_EQ(list.status, 0);
-  EXPECT_THAT(list.out,
-              AllOf(HasSubstr("ROBOT  COMPONENT  TYPE"), ContainsRegex("robot  a +relay/Does +p +[0-9]+  running"),
-                    ContainsRegex("robot +sleep 100 +sleeps +[0-9]+  running")));
+  robot.AskUntil({"ps"}, Prints(0, AllOf(HasSubstr("ROBOT  COMPONENT  TYPE"), HasSubstr("finished"),
+                                         ContainsRegex("robot  a +relay/Does +p +[0-9]+  running"),
+                                         ContainsRegex("robot +sleep 100 +sleeps +[0-9]+  running"))));
   EXPECT_THAT(robot.Ask({"ps", "--json"}).out,
               HasSubstr("\"robot\":\"robot\",\"component\":\"a\",\"type\":\"relay/Does\""));
-  const CommandEnd second = robot.Run();
-  EXPECT_EQ(second.status, 1);
-  EXPECT_THAT(second.err, HasSubstr("A robot \"robot\" is running already. End it with `hgros stop robot`"));
+  EXPECT_THAT(robot.Run(), Ends(1, HasSubstr("A robot \"robot\" is running already. End it with `hgros stop robot`")));
   EXPECT_EQ(robot.Run({"--detach", "--name", "other"}).status, 0);
   EXPECT_THAT(robot.Ask({"stop"}).err, HasSubstr("Several robots run: other, robot. Name one"));
   EXPECT_THAT(robot.Ask({"stop", "othr"}).err, HasSubstr("Did you mean \"other\"?"));
@@ -99,9 +87,7 @@ TEST(HgrosRobots, ADetachedRobotIsListedAndStoppedAlsoBesideAnother) {
   for (const pid_t pid : pids) EXPECT_FALSE(Runs(pid));
   EXPECT_EQ(robot.Ask({"ps"}).out, "");
   for (const std::string& domain : std::vector<std::string>{"a b", "..", std::string(300, 'x'), "a/b"}) {
-    const CommandEnd refused = RunToEnd({"ps"}, {{"HGROS_DOMAIN", domain}});
-    EXPECT_EQ(refused.status, 1) << domain;
-    EXPECT_THAT(refused.err, HasSubstr("HGROS_DOMAIN sets it")) << domain;
+    EXPECT_THAT(RunToEnd({"ps"}, {{"HGROS_DOMAIN", domain}}), Ends(1, HasSubstr("HGROS_DOMAIN sets it"))) << domain;
   }
   EXPECT_THAT(robot.Ask({"stop"}).err,
               HasSubstr("The robot \"robot\" has ended. `hgros logs --robot robot` shows why"));
@@ -112,18 +98,16 @@ TEST(HgrosRobots, WithoutAHomeThereIsNoReportAndNoOtherFileIsTouched) {
   const test::ScratchFolder folder;
   folder.Write("robot.yaml", "programs: {done: {command: [\"true\"]}}\n");
   folder.Write(".new", "ours");
-  const CommandEnd end = RunInShell("cd $FOLDER && unset HOME XDG_STATE_HOME && $HGROS run robot.yaml && cat .new",
-                                    {{"FOLDER", folder.path()}});
-  EXPECT_THAT(end, Writes(HasSubstr("ours")));
+  EXPECT_THAT(RunInShell("cd $FOLDER && unset HOME XDG_STATE_HOME && $HGROS run robot.yaml && cat .new",
+                         {{"FOLDER", folder.path()}}),
+              Writes(HasSubstr("ours")));
 }
 
 TEST(HgrosRobots, ADetachedRobotThatDiesLeavesItsReportUntilItsNextStart) {
   const DetachedRobot robot("components: {a: {type: relay/Does}}\n");
   ASSERT_EQ(kill(PidsIn(robot.started()).at(0), SIGKILL), 0);
-  ASSERT_TRUE(test::Await([&] { return robot.Ask({"ps"}).err.find("`hgros ps --all` lists") != std::string::npos; }));
-  const CommandEnd wait = robot.Ask({"wait"});
-  EXPECT_EQ(wait.status, 1);
-  EXPECT_THAT(wait.err, HasSubstr("main: ended by SIGKILL"));
+  robot.AskUntil({"ps"}, Ends(0, HasSubstr("`hgros ps --all` lists")));
+  EXPECT_THAT(robot.Ask({"wait"}), Ends(1, HasSubstr("main: ended by SIGKILL")));
   const CommandEnd logs = robot.Ask({"logs", "main", "-f"});
   EXPECT_THAT(logs, Ends(0, HasSubstr("The robot \"robot\" ended on 20")));
   EXPECT_THAT(logs.out, AllOf(HasSubstr("I run."), HasSubstr("The process has failed: it was ended by SIGKILL.")));
@@ -149,10 +133,7 @@ TEST(HgrosRobots, ShowsAndFollowsTheLogWhichMayHaveAnyBytes) {
   for (const char* line : {"one", "two", "a             I run.", "b             I run.", "after it"}) {
     EXPECT_TRUE(follows.Prints(line)) << follows.out();
   }
-  const CommandEnd logs = robot.Ask({"logs"});
-  EXPECT_EQ(logs.status, 0);
-  EXPECT_EQ(logs.err, "");
-  EXPECT_THAT(logs.out, AllOf(HasSubstr("a\\xffb\\x00c"), HasSubstr("\\xfe\\xff is no text")));
+  EXPECT_THAT(robot.Ask({"logs"}), Writes(AllOf(HasSubstr("a\\xffb\\x00c"), HasSubstr("\\xfe\\xff is no text"))));
   EXPECT_THAT(robot.Ask({"logs", "--json"}).out, HasSubstr("a\\uFFFDb\\u0000c"));
   EXPECT_THAT(robot.Ask({"logs", "a"}).out, AllOf(HasSubstr("I run."), Not(HasSubstr("one"))));
   EXPECT_THAT(robot.Ask({"logs", "says", "--json"}).out, HasSubstr("\"process\":\"says\""));
@@ -167,8 +148,7 @@ TEST(HgrosRobots, RestartsProcessesAndPrograms) {
   const std::vector<pid_t> before = PidsIn(robot.started());
   ASSERT_EQ(before.size(), 3U);
   for (const char* name : {"p", "sleeps"}) {
-    const CommandEnd end = robot.Ask({"restart", name});
-    EXPECT_EQ(end.status, 0) << name << ": " << end.err;
+    EXPECT_THAT(robot.Ask({"restart", name}), Ends(0)) << name;
   }
   EXPECT_FALSE(Runs(before[0]));
   EXPECT_FALSE(Runs(before[2]));
@@ -191,8 +171,7 @@ TEST(HgrosRobots, RestartsNothingWhileTheRobotStarts) {
   std::ofstream(folder.path("door")).close();
   ASSERT_TRUE(run.Prints("b  I run.")) << run.out();
   ASSERT_TRUE(test::Await([&] { return folder.Ask({"restart", "a"}).status == 0; }));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130);
+  run.End();
 }
 
 TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {
@@ -202,8 +181,7 @@ TEST(HgrosRobots, RestartsAComponentAloneInItsProcess) {
   // One that has not started yet would start again with its process.
   ASSERT_TRUE(test::Await([&] { return robot.Ask({"ps"}).out.find("starting") == std::string::npos; }));
   for (const char* name : {"a", "a", "b"}) {
-    const CommandEnd end = robot.Ask({"restart", name});
-    EXPECT_EQ(end.status, 0) << name << ": " << end.err;
+    EXPECT_THAT(robot.Ask({"restart", name}), Ends(0)) << name;
   }
   EXPECT_THAT(before, testing::Each(testing::ResultOf(Runs, true)));
   const auto times = [&](const std::string& name, const std::string& what) {
@@ -235,9 +213,8 @@ TEST(HgrosRobots, ADetachedRobotThatCannotStartSaysWhy) {
   const RobotFolder folder(
       "components: {a: {type: relay/Does}}\nprograms: {x: {command: [sh, -c, exit 3], essential: true}}\n"
       "processes: {p: {components: [a], nice: 5}}\ndiscovery: {local: false}\n");
-  const CommandEnd wrong = folder.Run({"--detach", "--set", "a.type=relay/None"});
-  EXPECT_EQ(wrong.status, 1);
-  EXPECT_THAT(wrong.err, HasSubstr("There is no component type \"relay/None\""));
+  EXPECT_THAT(folder.Run({"--detach", "--set", "a.type=relay/None"}),
+              Ends(1, HasSubstr("There is no component type \"relay/None\"")));
 }
 
 TEST(HgrosRobots, ARobotCanBeStartedWithoutStandardStreams) {
@@ -274,8 +251,7 @@ TEST(HgrosRobots, AProgramThatPrintsWithoutEndHoldsUpNobodyButAFollowerSaysWhatI
     follows.Signal(SIGCONT);
     return follows.Prints(" lines were left out here, because nobody read the output.", time);
   }));
-  follows.Signal(SIGINT);
-  EXPECT_EQ(follows.Wait(), 128 + SIGINT) << follows.err();
+  follows.End();
   EXPECT_THAT(robot.Ask({"logs", "p"}).out, HasSubstr("and again"));
   EXPECT_THAT(robot.Ask({"ps"}).out, HasSubstr("yes again and again"));
   EXPECT_EQ(robot.Ask({"stop"}).status, 0);
@@ -381,9 +357,8 @@ TEST(HgrosRobots, SurvivesCommandsThatLieAndSaysThatItServesNoMore) {
     EXPECT_EQ(robot.Ask({"ps"}).status, 0);  // All are accepted by then.
   }
   for (const char* command : {"ps", "logs", "wait", "stop"}) {
-    const CommandEnd end = robot.Ask({command});
-    EXPECT_EQ(end.status, 1) << command;
-    EXPECT_THAT(end.err, HasSubstr("The robot \"robot\" serves 64 commands, and no more. End some, such as"))
+    EXPECT_THAT(robot.Ask({command}),
+                Ends(1, HasSubstr("The robot \"robot\" serves 64 commands, and no more. End some, such as")))
         << command;
   }
   clients.clear();

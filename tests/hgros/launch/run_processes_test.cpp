@@ -72,10 +72,9 @@ TEST(HgrosRunProcesses, ThatEndInAConstructorAndMissingLibrariesAreNamedBeforeAn
                          Bad{"bad/Throws", bad, "there is no"}}) {
     const test::ScratchFolder manifests;
     manifests.Write("bad.yaml", "library: " + one.library + "\ncomponents: [" + one.type + "]\n");
-    const CommandEnd end = RobotFolder("components: {a: {type: " + one.type + "}}\n", manifests.path()).Run();
-    EXPECT_EQ(end.status, 1) << one.type;
-    EXPECT_EQ(end.out, "") << one.type;
-    EXPECT_THAT(end.err, AllOf(HasSubstr("robot.yaml:1:"), HasSubstr("Component \"a\""), HasSubstr(one.reason)))
+    EXPECT_THAT(RobotFolder("components: {a: {type: " + one.type + "}}\n", manifests.path()).Run(),
+                AllOf(Ends(1, AllOf(HasSubstr("robot.yaml:1:"), HasSubstr("Component \"a\""), HasSubstr(one.reason))),
+                      Prints("")))
         << one.type;
   }
 }

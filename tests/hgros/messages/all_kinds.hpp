@@ -1,9 +1,23 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "hgros/codec/dynamic_schema.hpp"
 #include "hgros/proto_folder.hpp"
 #include "messages/type_finder.hpp"
 
 namespace hgros::cli {
+
+/// A type as it is read from its description.
+inline std::shared_ptr<const DynamicSchema> Dynamic(const google::protobuf::Descriptor& type) {
+  std::string fault;
+  auto schema = DynamicSchema::Build(SchemaFor(type), fault);
+  EXPECT_NE(schema, nullptr) << fault;
+  return schema;
+}
 
 /// Finds kinds.All, a type with fields of every kind.
 struct AllKinds {

@@ -5,9 +5,7 @@
 #include <google/protobuf/message.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
-#include <memory>
 #include <random>
 
 #include <foxglove/LaserScan.pb.h>
@@ -17,9 +15,9 @@
 #include <foxglove/SceneUpdate.pb.h>
 #include <hgros/Snapshot.pb.h>
 
-#include "hgros/codec/dynamic_schema.hpp"
 #include "hgros/messages/all_kinds.hpp"
 #include "messages/message_text.hpp"
+#include "support/error_of.hpp"
 
 namespace hgros::cli {
 namespace {
@@ -29,24 +27,11 @@ using google::protobuf::Message;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::shared_ptr<const DynamicSchema> Dynamic(const google::protobuf::Descriptor& type) {
-  std::string fault;
-  auto schema = DynamicSchema::Build(SchemaFor(type), fault);
-  EXPECT_NE(schema, nullptr) << fault;
-  return schema;
-}
-
 // The fault, or empty.
 std::string FaultOf(const std::string& text, const google::protobuf::Descriptor& type) {
   const auto schema = Dynamic(type);
   const auto message = schema->Read({});
-  try {
-    const MessageDocument document = MessageDocument::Parse(text, "message");
-    ReadMessage(document, *message);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return {};
+  return test::ErrorOf([&] { ReadMessage(MessageDocument::Parse(text, "message"), *message); });
 }
 template <class T>
 std::string FaultOf(const std::string& text) {
@@ -55,8 +40,7 @@ std::string FaultOf(const std::string& text) {
 template <class T>
 T Read(const std::string& text) {
   T message;
-  const MessageDocument document = MessageDocument::Parse(text, "message");
-  ReadMessage(document, message);
+  ReadMessage(MessageDocument::Parse(text, "message"), message);
   return message;
 }
 
@@ -175,8 +159,8 @@ TEST_P(EachType, ReadsBackWhatEchoWrites) {
       std::string yaml;
       AppendYaml(yaml, {written.get(), nullptr, -1}, TextLimits::None());
       const auto from_yaml = schema->Read({});
-      const MessageDocument document = MessageDocument::Parse(yaml, "yaml");
-      ASSERT_NO_THROW(ReadMessage(document, *from_yaml)) << "seed " << GetParam() << "\n" << yaml;
+      ASSERT_NO_THROW(ReadMessage(MessageDocument::Parse(yaml, "yaml"), *from_yaml)) << "seed " << GetParam() << "\n"
+                                                                                     << yaml;
       ASSERT_EQ(from_yaml->SerializePartialAsString(), written->SerializePartialAsString())
           << "seed " << GetParam() << "\n"
           << yaml << "\n"
@@ -225,8 +209,7 @@ TEST_P(EachType, NeverFailsOtherwiseThanWithAConfigError) {
       }
       const auto again = schema->Read({});
       try {
-        const MessageDocument document = MessageDocument::Parse(text, "message");
-        ReadMessage(document, *again);
+        ReadMessage(MessageDocument::Parse(text, "message"), *again);
         ++read;
       } catch (const ConfigError& error) {
         EXPECT_THAT(error.what(), StartsWith("message")) << text;
@@ -321,10 +304,8 @@ TEST(MessageReader, ReadsMapsInBothForms) {
   const auto schema = Dynamic(kinds.finder.Require("kinds.All"));
   const auto short_form = schema->Read({});
   const auto long_form = schema->Read({});
-  const MessageDocument one = MessageDocument::Parse("labels: {a: 1, b: -2}", "one");
-  const MessageDocument other = MessageDocument::Parse("labels: [{key: a, value: 1}, {key: b, value: -2}]", "other");
-  ReadMessage(one, *short_form);
-  ReadMessage(other, *long_form);
+  ReadMessage(MessageDocument::Parse("labels: {a: 1, b: -2}", "one"), *short_form);
+  ReadMessage(MessageDocument::Parse("labels: [{key: a, value: 1}, {key: b, value: -2}]", "other"), *long_form);
   EXPECT_EQ(short_form->SerializeAsString(), long_form->SerializeAsString());
   EXPECT_NE(short_form->SerializeAsString(), "");
   EXPECT_EQ(FaultOf("{\"parts\": {\"7\": {\"x\": 1}}}", schema->descriptor()), "");

@@ -12,7 +12,6 @@
 #include <foxglove/Log.pb.h>
 #include <foxglove/SceneUpdate.pb.h>
 
-#include "hgros/codec/dynamic_schema.hpp"
 #include "hgros/messages/all_kinds.hpp"
 #include "messages/message_reader.hpp"
 
@@ -50,9 +49,7 @@ TEST(SchemaText, WritesATypeAfterTheTypesInIt) {
 
 TEST(SchemaText, WritesMapsOneofsAndOptionalFieldsOfAPublishersSchema) {
   const AllKinds kinds;
-  std::string fault;
-  const auto schema = DynamicSchema::Build(SchemaFor(kinds.finder.Require("kinds.All")), fault);
-  ASSERT_NE(schema, nullptr) << fault;
+  const auto schema = Dynamic(kinds.finder.Require("kinds.All"));
   const std::string text = ProtoText(schema->descriptor());
   EXPECT_THAT(text, HasSubstr("  map<string, int32> labels = 40;\n  map<uint32, Part> parts = 41;\n"));
   EXPECT_THAT(text, HasSubstr("  oneof choice {\n    int32 chosen_number = 50;\n    string chosen_text = 51;\n"));
@@ -67,12 +64,10 @@ TEST(SchemaText, WritesATemplateThatCanBePublished) {
   for (const char* name : {"kinds.All", "foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Log",
                            "foxglove.PointCloud", "foxglove.CameraCalibration", "hgros.Snapshot"}) {
     const google::protobuf::Descriptor& type = kinds.finder.Require(name);
-    std::string fault;
-    const auto schema = DynamicSchema::Build(SchemaFor(type), fault);
+    const auto schema = Dynamic(type);
     const auto message = schema->Read({});
     const std::string text = TemplateText(type);
-    const MessageDocument document = MessageDocument::Parse(text, name);
-    EXPECT_NO_THROW(ReadMessage(document, *message)) << text;
+    EXPECT_NO_THROW(ReadMessage(MessageDocument::Parse(text, name), *message)) << text;
     for (int i = 0; i < type.field_count(); ++i) EXPECT_THAT(text, HasSubstr(type.field(i)->name() + ":"));
   }
   EXPECT_EQ(TemplateText(*foxglove::Log::descriptor()),
@@ -106,12 +101,9 @@ TEST(SchemaText, BoundsTheTemplateOfATypeWithManyPaths) {
   ASSERT_NE(built, nullptr);
   const std::string text = TemplateText(*built->message_type(0));
   EXPECT_LT(text.size(), 400'000U);
-  std::string fault;
-  const auto schema = DynamicSchema::Build(SchemaFor(*built->message_type(0)), fault);
-  ASSERT_NE(schema, nullptr) << fault;
+  const auto schema = Dynamic(*built->message_type(0));
   const auto message = schema->Read({});
-  const MessageDocument document = MessageDocument::Parse(text, "many");
-  EXPECT_NO_THROW(ReadMessage(document, *message));
+  EXPECT_NO_THROW(ReadMessage(MessageDocument::Parse(text, "many"), *message));
   EXPECT_THAT(ProtoText(schema->descriptor()), testing::Not(HasSubstr("\x1b")));
 }
 

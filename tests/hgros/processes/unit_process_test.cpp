@@ -31,12 +31,6 @@ TEST(ProcessEnd, NamesTheCoreFileAsTheKernelDoes) {
   EXPECT_EQ(CoreName("core.%e.%t%", false, 7, SIGABRT), "core.*.*");
 }
 
-RobotUnit Named(const std::string& name) {
-  RobotUnit unit;
-  unit.name = name;
-  return unit;
-}
-
 struct Ended {
   int status = 0;
   std::vector<std::string> lines;
@@ -44,7 +38,9 @@ struct Ended {
 
 Ended EndOf(const UnitProcess::Body& body) {
   OrphanGuard guard;
-  UnitProcess process(Named("unit"), guard, body);
+  RobotUnit unit;
+  unit.name = "unit";
+  UnitProcess process(unit, guard, body);
   EXPECT_TRUE(test::Await([&] { return process.HasEnded(); }));
   Ended ended{process.status(), {}};
   const auto hear = [&](std::string_view line) { ended.lines.emplace_back(line); };

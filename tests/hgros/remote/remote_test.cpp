@@ -12,6 +12,7 @@
 #include <random>
 #include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hgros/base/error.hpp"
@@ -55,8 +56,7 @@ class HgrosRemote : public testing::Test {
   }
   // Ends it by Ctrl-C. Nothing of it is left then.
   void End(CommandRun& run) const {
-    run.Signal(SIGINT);
-    EXPECT_EQ(run.Wait(), 128 + SIGINT) << run.out() << run.err();
+    run.End();
     EXPECT_TRUE(host_.IsLeftClean()) << host_.Left();
   }
   // A command on the desk.
@@ -132,33 +132,21 @@ TEST_F(HgrosRemote, HostsWithKeysExchangeMessagesOverIpv6) {
   EXPECT_THAT(run->out(), HasSubstr("It has finished: all 100"));
 }
 
-TEST_F(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
-  const RobotFolder robot(std::string(kHosts) +
-                          "components:\n"
-                          "  counting: {type: moving/Counting}\n"
-                          "  passing: {type: moving/Passing, params: {bytes: 100000}}\n"
-                          "  judging: {type: moving/Judging}\n"
-                          "processes:\n"
-                          "  near: {components: [counting, judging, passing]}\n"
-                          "  far: {host: base}\n");
-  const auto run = RunUntil(robot, "far");
-  ASSERT_TRUE(test::Await([&] {
-    const auto ps = host_.OnDesk(robot, {"ps"});
-    return ps->Wait() == 0 && ps->out().find("starting") == std::string::npos;
-  }));
-  for (const std::string to : {"base", "desk", "far", "near"}) Do(robot, {"move", "passing", "--to", to});
-  std::size_t thousands = 1;
-  while (run->out().find("has " + std::to_string(thousands * 1000)) != std::string::npos) ++thousands;
-  EXPECT_TRUE(run->Prints("has " + std::to_string((thousands + 1) * 1000))) << run->out();
-  End(*run);
-  EXPECT_THAT(run->out(), AllOf(HasSubstr("It has moved here from \"near\""), Not(HasSubstr("lost ")),
-                                Not(HasSubstr("again ")), Not(HasSubstr("refused"))));
-}
-
 // A robot whose passing component moves between two hosts.
 class MovingBetweenHosts {
  public:
-  explicit MovingBetweenHosts(const SshHost& host) : host_(host) {}
+  explicit MovingBetweenHosts(const SshHost& host, const std::string& passing = "checkpoint: 50ms")
+      : host_(host),
+        robot_(std::string(kHosts) +
+               "components:\n"
+               "  counting: {type: moving/Counting}\n"
+               "  passing: {type: moving/Passing, " +
+               passing +
+               "}\n"
+               "  judging: {type: moving/Judging}\n"
+               "processes:\n"
+               "  near: {components: [counting, judging, passing], restart: on-failure}\n"
+               "  far: {host: base, restart: on-failure}\n") {}
 
   // Where it runs, if that is one place and nothing is on its way.
   [[nodiscard]] std::string Place() const {
@@ -191,16 +179,24 @@ class MovingBetweenHosts {
     return std::distance(std::sregex_iterator(out.begin(), out.end(), regex), std::sregex_iterator());
   }
   const SshHost& host_;
-  const RobotFolder robot_{std::string(kHosts) +
-                           "components:\n"
-                           "  counting: {type: moving/Counting}\n"
-                           "  passing: {type: moving/Passing, checkpoint: 50ms}\n"
-                           "  judging: {type: moving/Judging}\n"
-                           "processes:\n"
-                           "  near: {components: [counting, judging, passing], restart: on-failure}\n"
-                           "  far: {host: base, restart: on-failure}\n"};
+  const RobotFolder robot_;
   const std::unique_ptr<CommandRun> run_ = host_.Run(robot_);
 };
+
+TEST_F(HgrosRemote, AComponentMovesToAnotherHostAndBack) {
+  const MovingBetweenHosts robot(host_, "params: {bytes: 100000}");
+  CommandRun& run = robot.run();
+  ASSERT_TRUE(test::Await([&] { return robot.Place() == "near"; })) << run.out() << run.err();
+  for (const std::string to : {"base", "desk", "far", "near"}) {
+    const auto move = robot.Move(to);
+    EXPECT_EQ(move->Wait(), 0) << move->err();
+  }
+  const auto before = robot.thousands();
+  EXPECT_TRUE(test::Await([&] { return robot.thousands() > before + 1; })) << run.out();
+  End(run);
+  EXPECT_THAT(run.out(), AllOf(HasSubstr("It has moved here from \"near\""), Not(HasSubstr("lost ")),
+                               Not(HasSubstr("again ")), Not(HasSubstr("refused")), Not(HasSubstr("has failed"))));
+}
 
 TEST_F(HgrosRemote, TriesAgainUntilAHostCanBeReached) {
   const RobotFolder robot(std::string(kHosts) +
@@ -213,8 +209,7 @@ TEST_F(HgrosRemote, TriesAgainUntilAHostCanBeReached) {
   ASSERT_TRUE(run->Prints("It is started again in 2000 ms.")) << run->out() << run->err();
   host_.StartSshd();
   EXPECT_TRUE(test::Await([&] { return Times(run->out(), "does  I run.") >= 2; })) << run->out() << run->err();
-  run->Signal(SIGINT);
-  EXPECT_EQ(run->Wait(), 128 + SIGINT) << run->out() << run->err();
+  run->End();
 }
 
 // A process that the test kills or stops during a move.
@@ -320,20 +315,16 @@ TEST_F(HgrosRemote, NothingIsLeftWhenAnyPartIsKilled) {
   const RobotFolder robot(HangingAtItsEnd());
   const auto& desk = host_.cable.left;
   const auto& base = host_.cable.right;
-  struct Kill {
-    std::string space;
-    std::string name;
-    std::string says;
-  };
-  for (const Kill& one : {Kill{desk, "hgros", ""}, Kill{desk, "p", "it was ended by SIGKILL"},
-                          Kill{desk, "ssh", "The connection to the host \"base\" is lost: ssh has failed"},
-                          Kill{base, "p", "The process has failed: it was ended by SIGKILL."},
-                          Kill{base, "hgros", "The connection to the host \"base\" is lost."}}) {
+  for (const auto& [victim, says] : {std::pair<Victim, std::string>{{desk, "hgros"}, ""},
+                                     {{desk, "p"}, "it was ended by SIGKILL"},
+                                     {{desk, "ssh"}, "The connection to the host \"base\" is lost: ssh has failed"},
+                                     {{base, "p"}, "The process has failed: it was ended by SIGKILL."},
+                                     {{base, "hgros"}, "The connection to the host \"base\" is lost."}}) {
     const auto run = RunUntil(robot, "does  I run.");
-    ASSERT_EQ(kill(FindOn(one.space, one.name), SIGKILL), 0) << one.name;
-    EXPECT_EQ(run->Wait(), one.says.empty() ? 128 + SIGKILL : 1);
-    EXPECT_THAT(run->out(), HasSubstr(one.says)) << run->err();
-    EXPECT_TRUE(host_.IsLeftClean()) << one.name << "\n" << host_.Left();
+    ASSERT_EQ(kill(FindOn(victim.space, victim.name), SIGKILL), 0) << victim.name;
+    EXPECT_EQ(run->Wait(), says.empty() ? 128 + SIGKILL : 1);
+    EXPECT_THAT(run->out(), HasSubstr(says)) << run->err();
+    EXPECT_TRUE(host_.IsLeftClean()) << victim.name << "\n" << host_.Left();
   }
 }
 

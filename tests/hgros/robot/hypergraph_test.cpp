@@ -13,12 +13,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 ChannelUser User(std::uint64_t session, const std::string& process, const std::string& host = "robot") {
-  ChannelUser user;
-  user.session = {session};
-  user.process = process;
-  user.host = host;
-  user.pid = static_cast<std::int64_t>(session);
-  return user;
+  const auto pid = static_cast<std::int64_t>(session);
+  return {.session = {session}, .process = process, .host = host, .pid = pid, .type_name = {}};
 }
 
 // zlidar -> scan -> mapper -> map -> viewer; the viewer sends goals back to the mapper.

@@ -42,13 +42,8 @@ bool ScreenText::Contains(std::string_view text) const {
 void ScreenText::Scroll(int top, int lines) {
   const std::vector<std::string> empty(static_cast<std::size_t>(columns_), " ");
   for (int i = 0; i < std::abs(lines); ++i) {
-    if (lines > 0) {
-      cells_.erase(cells_.begin() + top);
-      cells_.insert(cells_.begin() + bottom_, empty);
-    } else {
-      cells_.erase(cells_.begin() + bottom_);
-      cells_.insert(cells_.begin() + top, empty);
-    }
+    cells_.erase(cells_.begin() + (lines > 0 ? top : bottom_));
+    cells_.insert(cells_.begin() + (lines > 0 ? bottom_ : top), empty);
   }
 }
 
@@ -75,11 +70,9 @@ void ScreenText::Mode(const std::string& parameters, bool on) {
     }
     if (on) cells_.assign(cells_.size(), std::vector<std::string>(static_cast<std::size_t>(columns_), " "));
     alternate_ = on;
-  } else if (parameters == "?25") {
-    cursor_ = on;
   } else if (parameters == "?1") {
     keypad_ = on;
-  } else if (parameters.find("25") != std::string::npos) {  // Such as ?12;25.
+  } else if (parameters.find("25") != std::string::npos) {  // Also ?12;25.
     cursor_ = on;
   } else if (parameters != "?7" && parameters != "4" && parameters != "?12" && parameters != "?2004") {
     unknown_ += "mode " + parameters + " ";

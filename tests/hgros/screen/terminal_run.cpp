@@ -13,8 +13,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <sstream>
-#include <utility>
 
 #include "hgros/base/error.hpp"
 #include "support/path.hpp"
@@ -29,14 +27,16 @@ constexpr const char* kScript =
     "[ $code -ne 148 ] || { printf 'suspended 2 '; read line; fg > /dev/null; code=$?; }; "
     "printf 'finished %d.\\n' $code; read line";
 
+winsize SizeOf(int columns, int lines) {
+  return {static_cast<unsigned short>(lines), static_cast<unsigned short>(columns), 0, 0};
+}
+
 }  // namespace
 
 TerminalRun::TerminalRun(const std::vector<std::string>& arguments,
                          const std::map<std::string, std::string>& environment, int columns, int lines)
     : screen_(columns, lines) {
-  winsize size{};
-  size.ws_col = static_cast<unsigned short>(columns);
-  size.ws_row = static_cast<unsigned short>(lines);
+  const winsize size = SizeOf(columns, lines);
   int slave = -1;
   if (pipe2(end_, O_CLOEXEC) != 0) throw Error("no pipe");
   if (openpty(&master_, &slave, nullptr, nullptr, &size) != 0) throw Error("no terminal");
@@ -109,9 +109,7 @@ pid_t TerminalRun::CommandPid() const {
 void TerminalRun::Type(const std::string& keys) const { (void)!write(master_, keys.data(), keys.size()); }
 
 void TerminalRun::Resize(int columns, int lines) {
-  winsize size{};
-  size.ws_col = static_cast<unsigned short>(columns);
-  size.ws_row = static_cast<unsigned short>(lines);
+  const winsize size = SizeOf(columns, lines);
   {
     const std::scoped_lock lock(mutex_);
     screen_.Resize(columns, lines);

@@ -41,11 +41,7 @@ std::shared_ptr<Snapshot> SnapshotAt(std::int64_t seconds, std::uint64_t message
 }
 
 std::vector<KnownChannel> BusyChannels() {
-  ChannelUser user;
-  user.session = SessionId{1};
-  user.process = "talker";
-  user.pid = 42;
-  user.host = "desk";
+  const ChannelUser user{.session = {1}, .process = "talker", .host = "desk", .pid = 42, .type_name = {}};
   std::vector<KnownChannel> channels(3);
   channels[0].name = "hgros/snapshots";
   channels[0].publishers = {user};

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <random>
 #include <string>
 #include <vector>
@@ -36,21 +35,17 @@ Activity ActivityWith(const std::vector<std::string>& names) {
   std::vector<KnownChannel> channels;
   AllCounters counters;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    ChannelUser user;
-    user.session = SessionId{i + 1};
-    user.process = "process" + std::to_string(i);
-    user.pid = static_cast<std::int64_t>(i);
-    KnownChannel& channel = channels.emplace_back();
-    channel.name = names[i];
-    channel.type_name = "foxglove.Log";
-    channel.publishers = {user};
+    const std::string number = std::to_string(i);
+    const auto pid = static_cast<std::int64_t>(i);
+    const ChannelUser user{.session = {i + 1}, .process = "process" + number, .host = {}, .pid = pid, .type_name = {}};
+    channels.push_back({.name = names[i], .type_name = "foxglove.Log", .publishers = {user}, .subscribers = {}});
     auto snapshot = std::make_shared<Snapshot>();
     snapshot->set_session(i + 1);
     snapshot->set_steady_ns(1);
     Snapshot::Channel* counted = snapshot->add_channels();
     counted->set_name(names[i]);
     counted->set_rate_hz(static_cast<double>(i + 1));
-    counted->add_nodes()->set_name("node" + std::to_string(i));
+    counted->add_nodes()->set_name("node" + number);
     counters[user.session] = snapshot;
   }
   Activity activity({}, false);
@@ -64,31 +59,29 @@ TopScreen ScreenWith(const std::vector<std::string>& names, TopKind kind = TopKi
   return screen;
 }
 
+// What it shows after a key.
+std::string After(TopScreen& screen, const KeyPress& press) {
+  EXPECT_TRUE(screen.Press(press));
+  return All(screen);
+}
+
 TEST(TopScreen, ShowsTheListsInTurn) {
   TopScreen screen = ScreenWith({"scan", "odom"}, TopKind::kSessions);
   EXPECT_THAT(All(screen), HasSubstr("process0:0"));
-  EXPECT_TRUE(screen.Press({Key::kTab}));
-  EXPECT_THAT(All(screen), HasSubstr("node1"));
-  EXPECT_TRUE(screen.Press({Key::kTab}));
-  EXPECT_THAT(All(screen), HasSubstr("odom      2.00 Hz"));
-  EXPECT_TRUE(screen.Press({Key::kBackTab}));
-  EXPECT_THAT(All(screen), HasSubstr("NODE "));
-  EXPECT_TRUE(screen.Press({Key::kText, "1"}));
-  EXPECT_THAT(All(screen), HasSubstr("SESSION "));
+  EXPECT_THAT(After(screen, {Key::kTab}), HasSubstr("node1"));
+  EXPECT_THAT(After(screen, {Key::kTab}), HasSubstr("odom      2.00 Hz"));
+  EXPECT_THAT(After(screen, {Key::kBackTab}), HasSubstr("NODE "));
+  EXPECT_THAT(After(screen, {Key::kText, "1"}), HasSubstr("SESSION "));
 }
 
 TEST(TopScreen, FiltersWhileATextIsTyped) {
   TopScreen screen = ScreenWith({"scan", "odom", "quiet"});
-  for (const char* key : {"/", "q"}) EXPECT_TRUE(screen.Press({Key::kText, key}));
-  EXPECT_THAT(All(screen), HasSubstr("quiet"));
+  for (const char* key : {"/", "q"}) EXPECT_THAT(After(screen, {Key::kText, key}), HasSubstr("quiet"));
   EXPECT_THAT(All(screen), Not(HasSubstr("scan")));
-  EXPECT_TRUE(screen.Press({Key::kText, "\xC3\xA9"}));
-  EXPECT_THAT(All(screen), HasSubstr("Nothing contains \"q\xC3\xA9\"."));
+  EXPECT_THAT(After(screen, {Key::kText, "\xC3\xA9"}), HasSubstr("Nothing contains \"q\xC3\xA9\"."));
   EXPECT_TRUE(screen.Press({Key::kBackspace}));
-  EXPECT_TRUE(screen.Press({Key::kEnter}));
-  EXPECT_THAT(All(screen), HasSubstr("only with \"q\""));
-  EXPECT_TRUE(screen.Press({Key::kEscape}));
-  EXPECT_THAT(All(screen), HasSubstr("scan"));
+  EXPECT_THAT(After(screen, {Key::kEnter}), HasSubstr("only with \"q\""));
+  EXPECT_THAT(After(screen, {Key::kEscape}), HasSubstr("scan"));
   EXPECT_FALSE(screen.Press({Key::kText, "q"}));
 }
 
@@ -96,14 +89,10 @@ TEST(TopScreen, ShowsDetailsOfTheSelectedRowAndGoesBack) {
   TopScreen screen = ScreenWith({"scan", "odom"});
   (void)All(screen);
   EXPECT_TRUE(screen.Press({Key::kDown}));
-  EXPECT_TRUE(screen.Press({Key::kEnter}));
-  EXPECT_THAT(All(screen), HasSubstr("all about scan\nsecond line"));
-  EXPECT_TRUE(screen.Press({Key::kText, "h"}));
-  EXPECT_THAT(All(screen), HasSubstr("Reverse the order"));
-  EXPECT_TRUE(screen.Press({Key::kEscape}));
-  EXPECT_THAT(All(screen), HasSubstr("all about scan"));
-  EXPECT_TRUE(screen.Press({Key::kEscape}));
-  EXPECT_THAT(All(screen), HasSubstr("CHANNEL"));
+  EXPECT_THAT(After(screen, {Key::kEnter}), HasSubstr("all about scan\nsecond line"));
+  EXPECT_THAT(After(screen, {Key::kText, "h"}), HasSubstr("Reverse the order"));
+  EXPECT_THAT(After(screen, {Key::kEscape}), HasSubstr("all about scan"));
+  EXPECT_THAT(After(screen, {Key::kEscape}), HasSubstr("CHANNEL"));
 }
 
 TEST(TopScreen, EndsWithQFromEachPage) {
@@ -178,8 +167,7 @@ TEST(TopScreen, ShowsASentenceForAWhileOrUntilTheNextKey) {
 TEST(TopScreen, SaysThatNothingIsThere) {
   TopScreen screen = ScreenWith({});
   EXPECT_THAT(All(screen), HasSubstr("No session is there."));
-  EXPECT_TRUE(screen.Press({Key::kEnter}));
-  EXPECT_THAT(All(screen), HasSubstr("No session is there."));
+  EXPECT_THAT(After(screen, {Key::kEnter}), HasSubstr("No session is there."));
 }
 
 }  // namespace
