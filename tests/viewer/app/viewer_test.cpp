@@ -17,9 +17,7 @@
 #include <vector>
 
 #include "foxglove/Log.pb.h"
-#include "foxglove/PointCloud.pb.h"
 #include "foxglove/RawImage.pb.h"
-#include "foxglove/SceneUpdate.pb.h"
 #include "hgros/base/error.hpp"
 #include "hgros/tf/transforms.hpp"
 #include "support/await.hpp"
@@ -101,17 +99,9 @@ class ScriptedSurface : public Offscreen {
 };
 
 /// Sessions of this process find each other while it exists.
-class MetOnThisHost {
- public:
-  MetOnThisHost() : before_(std::getenv("HGROS_DOMAIN")) {
-    setenv("HGROS_DOMAIN", ("viewer-whole-" + std::to_string(getpid())).c_str(), 1);
-  }
-  MetOnThisHost(const MetOnThisHost&) = delete;
-  MetOnThisHost& operator=(const MetOnThisHost&) = delete;
-  ~MetOnThisHost() { setenv("HGROS_DOMAIN", before_.c_str(), 1); }
-
- private:
-  const std::string before_;
+struct MetOnThisHost {
+  MetOnThisHost() { setenv("HGROS_DOMAIN", ("viewer-whole-" + std::to_string(getpid())).c_str(), 1); }
+  ~MetOnThisHost() { setenv("HGROS_DOMAIN", "none", 1); }
 };
 
 class ViewerTest : public ::testing::Test {
@@ -154,6 +144,9 @@ class ViewerTest : public ::testing::Test {
       watch(viewer);
     });
   }
+  static ScriptedSurface::Step Resize(const Viewport& size) {
+    return [size](ScriptedSurface& surface) { surface.Resize(size); };
+  }
   static void Lose(ScriptedSurface& surface) { surface.Lose(); }
   static void DoNothing(ScriptedSurface& /*surface*/) {}
   /// Repeats a step until it returns true, for 20 s.
@@ -165,6 +158,14 @@ class ViewerTest : public ::testing::Test {
       surface.Again();
     };
   }
+  /// Runs the steps. Returns the exit code and what was written to standard error.
+  std::pair<int, std::string> Listen(std::vector<ScriptedSurface::Step> steps) {
+    ScriptedSurface surface(std::move(steps));
+    Viewer viewer(options_, std::nullopt, surface);
+    ::testing::internal::CaptureStderr();
+    const int code = viewer.Run();
+    return {code, ::testing::internal::GetCapturedStderr()};
+  }
   /// The error of a viewer that cannot be made.
   std::string FaultOf(const std::optional<Layout>& layout) {
     ScriptedSurface surface({});
@@ -172,6 +173,11 @@ class ViewerTest : public ::testing::Test {
   }
   static ScriptedSurface::Step Key(int key) {
     return [key](ScriptedSurface& surface) { surface.Press(key); };
+  }
+  /// An empty one if there is none.
+  static LayoutDisplay DisplayOf(const Layout& layout, const std::string& channel) {
+    const auto display = std::ranges::find(*layout.displays, channel, &LayoutDisplay::channel);
+    return display == layout.displays->end() ? LayoutDisplay() : *display;
   }
   static std::vector<std::string> PanelsOf(const Layout& layout) {
     std::vector<std::string> names;
@@ -197,11 +203,9 @@ TEST_F(ViewerTest, AppliesALayoutAndReturnsItUnchanged) {
 TEST_F(ViewerTest, ALayoutHasTheColorOfACloudOnceItIsDecided) {
   for (const char* given : {"size", "highest"}) {
     options_.channels = {{"cloud", "foxglove.PointCloud", {{given, "3"}}}};
-    const Layout layout = Do({Key('H')});
-    const auto display = std::ranges::find(*layout.displays, "cloud", &LayoutDisplay::channel);
-    ASSERT_NE(display, layout.displays->end());
+    const LayoutDisplay display = DisplayOf(Do({Key('H')}), "cloud");
     const auto has = [&](const char* name) {
-      return std::ranges::find(display->settings, name, &LayoutSetting::name) != display->settings.end();
+      return std::ranges::find(display.settings, name, &LayoutSetting::name) != display.settings.end();
     };
     EXPECT_TRUE(has(given));
     EXPECT_EQ(has("color"), given == std::string("highest")) << "rgb, if the first points have colors";
@@ -214,7 +218,7 @@ TEST_F(ViewerTest, DrawsAtAnyWindowSize) {
       {"Channels", "", {}}, {"Log", "", {}}, {"Message", "", {}}, {"Plot", "", {}}, {"Graph", "", {}}};
   std::vector<ScriptedSurface::Step> steps;
   for (const Viewport size : {Viewport{1, 1}, Viewport{2, 480}, Viewport{640, 1}, Viewport{640, 480}, Viewport{3, 3}}) {
-    steps.push_back([size](ScriptedSurface& surface) { surface.Resize(size); });
+    steps.push_back(Resize(size));
     steps.push_back(Key('Z'));
     steps.push_back([](ScriptedSurface& surface) { surface.Click(0, 0, true); });
   }
@@ -396,8 +400,7 @@ TEST_F(ViewerTest, SetsTheAnchorOnlyOnVisibleThings) {
     at.Resize({640, 480});  // It has not been drawn with this size when the click arrives.
     at.Click(30, 20, false);
   };
-  const Layout last =
-      Do({[&](ScriptedSurface& at) { at.Resize(kSmall); }, shown, click, DoNothing, look, beside, DoNothing});
+  const Layout last = Do({Resize(kSmall), shown, click, DoNothing, look, beside, DoNothing});
   ASSERT_TRUE(first);
   for (const double along : *first) EXPECT_LT(std::abs(along), 2.01);
   EXPECT_EQ(last.camera->anchor, first) << "there is nothing in that corner";
@@ -436,12 +439,9 @@ TEST_F(ViewerTest, ReportsMissingChannelsWhenTheWindowCloses) {
   options_.channels = {{"never", "", {}}};
   for (const bool into_memory : {false, true}) {
     if (into_memory) options_.offscreen = Viewport{64, 64};
-    ScriptedSurface surface({Key('H')});
-    Viewer viewer(options_, std::nullopt, surface);
-    ::testing::internal::CaptureStderr();
-    EXPECT_EQ(viewer.Run(), into_memory ? 1 : 0);
-    EXPECT_NE(::testing::internal::GetCapturedStderr().find("The channel \"never\" was never published."),
-              std::string::npos);
+    const auto [code, said] = Listen({Key('H')});
+    EXPECT_EQ(code, into_memory ? 1 : 0);
+    EXPECT_NE(said.find("The channel \"never\" was never published."), std::string::npos) << said;
   }
 }
 
@@ -467,22 +467,19 @@ TEST_F(ViewerTest, DoesNotSayThatNothingHasArrivedIfAPanelShowsIt) {
       if (done && !std::exchange(was_done, true)) deadline = std::chrono::steady_clock::now() + std::chrono::seconds(1);
       if (std::chrono::steady_clock::now() < deadline) at.Again();
     };
-    ScriptedSurface surface({filled});
-    Viewer viewer(options_, std::nullopt, surface);
-    ::testing::internal::CaptureStderr();
-    EXPECT_EQ(viewer.Run(), 0);
+    const auto [code, said] = Listen({filled});
+    EXPECT_EQ(code, 0);
     EXPECT_TRUE(was_done);
-    const std::string said = ::testing::internal::GetCapturedStderr();
     EXPECT_EQ(said.find("Nothing has arrived"), std::string::npos) << said;
     EXPECT_EQ(said.find("No display shows what is published: \"log\"") == std::string::npos, shown) << said;
   }
 }
 
 TEST_F(ViewerTest, SwitchesOtherSettingsThatAGivenOneNeeds) {
-  const auto text = [](const Layout& layout, const std::string& name) -> std::string {
-    const auto display = std::ranges::find(*layout.displays, "cloud", &LayoutDisplay::channel);
-    if (display == layout.displays->end()) return "there is no display";
-    return std::ranges::find(display->settings, name, &LayoutSetting::name)->value;
+  const auto text = [](const Layout& layout, const std::string& name) {
+    const LayoutDisplay display = DisplayOf(layout, "cloud");
+    const auto setting = std::ranges::find(display.settings, name, &LayoutSetting::name);
+    return setting == display.settings.end() ? "there is none" : setting->value;
   };
   Layout layout;
   layout.displays = {{{"Point cloud", "cloud", true, {{"field", "speed"}, {"lowest", "2"}}}}};
@@ -566,7 +563,8 @@ TEST_F(ViewerTest, ReplacesTheLayoutThatItHasReadAndThatOnly) {
 class Cameras {
  public:
   explicit Cameras(std::size_t count) : count_(count) {}
-  void Publish() {
+  /// Publishes. Returns whether all windows of the images are there.
+  bool Shown() {
     constexpr std::pair<std::uint32_t, std::uint32_t> kSizes[] = {{64, 48}, {124, 38}, {48, 64}};
     for (std::size_t i = 0; i < count_; ++i) {
       foxglove::RawImage image;
@@ -578,10 +576,6 @@ class Cameras {
       image.set_data(std::string(std::size_t{width} * height, static_cast<char>(40 * i)));
       (void)session_.ToAny("camera_" + std::to_string(i), image);
     }
-  }
-  /// Publishes. Returns whether all windows of the images are there.
-  bool Shown() {
-    Publish();
     return Windows("##image").size() >= count_;
   }
   /// The shown windows with such a name.
@@ -626,7 +620,7 @@ TEST_F(ViewerTest, ImageWindowsCoverNothingAtAnySize) {
   const Viewport sizes[] = {{1280, 800}, {800, 600}, {1920, 1080}, {800, 600}, {1280, 800}};
   for (const bool panels : {false, true}) {
     for (const Viewport size : sizes) {
-      steps.emplace_back([size](ScriptedSurface& at) { at.Resize(size); });
+      steps.push_back(Resize(size));
       if (steps.size() == 1) steps.push_back(Until([&](ScriptedSurface&) { return cameras.Shown(); }));
       for (int i = 0; i < 3; ++i) steps.emplace_back(DoNothing);
       steps.push_back(check(std::to_string(size.width) + (panels ? " with panels" : "")));
@@ -640,47 +634,33 @@ TEST_F(ViewerTest, ImageWindowsCoverNothingAtAnySize) {
 TEST_F(ViewerTest, KeepsTheMovedWindowOfAnImageInTheLayout) {
   const MetOnThisHost met;
   Cameras cameras(3);
-  const auto place = [](const char* name) -> PanelPlace {
-    const std::vector<ImGuiWindow*> windows = Cameras::Windows(name);
-    if (windows.empty()) return {};
-    return {windows[0]->Pos.x, windows[0]->Pos.y, windows[0]->Size.x, windows[0]->Size.y};
-  };
-  const auto shown = Until([&](ScriptedSurface&) { return cameras.Shown(); });
-  const auto resize = [](const Viewport& size) { return [size](ScriptedSurface& at) { at.Resize(size); }; };
-  constexpr const char* kName = "camera_1##image";
-  PanelPlace before;
-  const auto point = [&](float dx, float dy) {
-    return [&, dx, dy](ScriptedSurface&) {
-      if (dx == 0) before = place(kName);
-      ImGui::GetIO().MousePos = {before.x + 60 + dx, before.y + 8 + dy};
+  static constexpr const char* kName = "camera_1##image";
+  const auto save_place = [](PanelPlace& to) {
+    return [&to](ScriptedSurface&) {
+      const std::vector<ImGuiWindow*> windows = Cameras::Windows(kName);
+      if (!windows.empty()) to = {windows[0]->Pos.x, windows[0]->Pos.y, windows[0]->Size.x, windows[0]->Size.y};
     };
   };
+  PanelPlace before, moved;
+  const auto point = [&](float dx, float dy) {
+    return [&, dx, dy](ScriptedSurface&) { ImGui::GetIO().MousePos = {before.x + 60 + dx, before.y + 8 + dy}; };
+  };
   const auto press = [](bool down) { return [down](ScriptedSurface&) { ImGui::GetIO().MouseDown[0] = down; }; };
-  PanelPlace moved;
+  const auto shown = [&] { return Until([&](ScriptedSurface&) { return cameras.Shown(); }); };
   const Layout kept =
-      Do({resize({1280, 800}), shown, DoNothing, DoNothing, point(0, 0), DoNothing, press(true), DoNothing,
-          point(-120, -200), DoNothing, press(false), DoNothing, [&](ScriptedSurface&) { moved = place(kName); }},
+      Do({Resize({1280, 800}), shown(), DoNothing, DoNothing, save_place(before), point(0, 0), DoNothing, press(true),
+          DoNothing, point(-120, -200), DoNothing, press(false), DoNothing, save_place(moved)},
          std::nullopt, {1920, 1080});
   EXPECT_EQ(moved, (PanelPlace{before.x - 120, before.y - 200, before.width, before.height}));
-  const auto of = [](const Layout& layout, const char* channel) {
-    const auto display = std::ranges::find(*layout.displays, channel, &LayoutDisplay::channel);
-    return display == layout.displays->end() ? std::nullopt : display->place;
-  };
-  EXPECT_EQ(of(kept, "camera_1"), moved);
-  EXPECT_EQ(of(kept, "camera_0"), std::nullopt) << "nobody has moved it";
+  EXPECT_EQ(DisplayOf(kept, "camera_1").place, moved);
+  EXPECT_EQ(DisplayOf(kept, "camera_0").place, std::nullopt) << "nobody has moved it";
 
-  PanelPlace again;
-  PanelPlace small;
-  PanelPlace later;
+  PanelPlace again, small, later;
   const ImGuiWindow* in_front = nullptr;
   const Layout last =
-      Do({resize({1280, 800}), Until([&](ScriptedSurface&) { return cameras.Shown(); }), DoNothing, DoNothing,
-          [&](ScriptedSurface&) {
-            again = place(kName);
-            in_front = Cameras::Windows("##image").back();
-          },
-          resize({500, 300}), DoNothing, DoNothing, [&](ScriptedSurface&) { small = place(kName); },
-          resize({1280, 800}), DoNothing, DoNothing, [&](ScriptedSurface&) { later = place(kName); }},
+      Do({Resize({1280, 800}), shown(), DoNothing, DoNothing, save_place(again),
+          [&](ScriptedSurface&) { in_front = Cameras::Windows("##image").back(); }, Resize({500, 300}), DoNothing,
+          DoNothing, save_place(small), Resize({1280, 800}), DoNothing, DoNothing, save_place(later)},
          kept, {1920, 1080});
   EXPECT_EQ(again, moved);
   ASSERT_NE(in_front, nullptr);
@@ -688,7 +668,7 @@ TEST_F(ViewerTest, KeepsTheMovedWindowOfAnImageInTheLayout) {
   EXPECT_LE(small.x + small.width, 500) << "it stays inside a smaller window";
   EXPECT_LE(small.y + small.height, 300);
   EXPECT_EQ(later, moved) << "and returns when that grows again";
-  EXPECT_EQ(of(last, "camera_1"), moved);
+  EXPECT_EQ(DisplayOf(last, "camera_1").place, moved);
 }
 
 foxglove::PointCloud CloudAt(std::int64_t ns) {
@@ -728,11 +708,7 @@ TEST_F(ViewerTest, DoesNotReportACloudThatWaitsShortlyForItsTransform) {
       (void)clouds(CloudAt(now + 5));
       if (at.pictures() < 150) at.Again();
     };
-    ScriptedSurface surface({drawn, late, Key('H')});
-    Viewer viewer(options_, std::nullopt, surface);
-    ::testing::internal::CaptureStderr();
-    const int code = viewer.Run();
-    const std::string said = ::testing::internal::GetCapturedStderr();
+    const auto [code, said] = Listen({drawn, late, Key('H')});
     EXPECT_EQ(code, drawn_before ? 0 : 1) << said;
     EXPECT_EQ(said.find("lidar") == std::string::npos, drawn_before) << said;
   }

@@ -13,11 +13,15 @@ inline void SetStamp(google::protobuf::Timestamp& stamp, std::int64_t ns) {
   stamp.set_seconds(ns / 1'000'000'000);
   stamp.set_nanos(static_cast<std::int32_t>(ns % 1'000'000'000));
 }
+template <class Vector>
+void SetXy(Vector& vector, double x, double y) {
+  vector.set_x(x);
+  vector.set_y(y);
+}
 /// A foxglove::Vector3 or Point3.
 template <class Vector>
 void SetXyz(Vector& vector, double x, double y, double z) {
-  vector.set_x(x);
-  vector.set_y(y);
+  SetXy(vector, x, y);
   vector.set_z(z);
 }
 inline void SetColor(foxglove::Color& color, double r, double g, double b, double a = 1) {
@@ -53,6 +57,22 @@ inline void SetFloatFields(foxglove::PointCloud& cloud) {
   for (const char* name : {"x", "y", "z", "intensity"}) {
     AddPointField(cloud, name, foxglove::PackedElementField::FLOAT32, 4);
   }
+}
+
+/// Cells without padding, to a grid or voxels.
+template <class Cells>
+void SetCells(Cells& cells, std::uint32_t columns, std::uint32_t bytes, double edge) {
+  cells.set_column_count(columns);
+  cells.set_cell_stride(bytes);
+  cells.set_row_stride(columns * bytes);
+  SetXy(*cells.mutable_cell_size(), edge, edge);
+}
+template <class Voxels>
+void SetVoxels(Voxels& voxels, std::uint32_t columns, std::uint32_t rows, std::uint32_t bytes, double edge) {
+  SetCells(voxels, columns, bytes, edge);
+  voxels.set_row_count(rows);
+  voxels.set_slice_stride(columns * rows * bytes);
+  voxels.mutable_cell_size()->set_z(edge);
 }
 
 inline foxglove::SceneEntity& AddEntity(foxglove::SceneUpdate& update, const std::string& id,

@@ -1,10 +1,7 @@
 // A robot with data for each panel: viewer_talking_robot [STEPS [HZ]]. Several sessions publish and subscribe;
 // "broken_..." carry bytes that do not match their type.
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <memory>
 #include <random>
 #include <string>
@@ -19,32 +16,8 @@
 #include "foxglove/RawImage.pb.h"
 #include "foxglove/VoxelGrid.pb.h"
 #include "hgros/clock/rate.hpp"
-#include "hgros/codec/custom_codec.hpp"
 #include "hgros/session/session.hpp"
 #include "viewer/e2e/message_parts.hpp"
-
-namespace {
-
-/// Bytes that do not match the type that they are published with.
-template <class T>
-struct Broken {
-  std::string bytes;
-};
-
-}  // namespace
-
-template <class T>
-struct hgros::CustomCodec<Broken<T>> {
-  using Schema = T;
-  static bool Serialize(const Broken<T>& broken, std::string& bytes) {
-    bytes = broken.bytes;
-    return true;
-  }
-  static bool Parse(std::string_view bytes, Broken<T>& broken) {
-    broken.bytes = bytes;
-    return true;
-  }
-};
 
 namespace {
 
@@ -81,15 +54,10 @@ foxglove::PoseInFrame PoseAt(std::size_t step, double hz, Time now) {
   return pose;
 }
 
-/// Publishes such bytes, each time others.
+/// For bytes that do not match their type.
 template <class T>
-std::function<void()> BreakerOf(Session& session, const std::string& channel, std::mt19937& random) {
-  return [publish = std::make_shared<Publisher<Broken<T>>>(session.Advertise<Broken<T>>(channel)), &random] {
-    auto broken = std::make_unique<Broken<T>>();
-    broken->bytes.resize(random() % 200);
-    for (char& byte : broken->bytes) byte = static_cast<char>(random() & 255U);
-    (*publish)(std::move(broken));
-  };
+RawPublisher BreakerOf(Session& session, const std::string& channel) {
+  return session.AdvertiseRaw(channel, SchemaOf(TypeOf<T>()));
 }
 
 }  // namespace
@@ -110,24 +78,27 @@ int main(int argc, char** argv) {
   auto odometry = driver.Advertise<foxglove::PoseInFrame>("odometry");
   auto goal = planner.Advertise<foxglove::PoseInFrame>("goal");
   std::mt19937 random(5);
-  const std::vector<std::function<void()>> breakers = {
-      BreakerOf<foxglove::PointCloud>(driver, "broken_cloud", random),
-      BreakerOf<foxglove::LaserScan>(driver, "broken_scan", random),
-      BreakerOf<foxglove::PosesInFrame>(driver, "broken_way", random),
-      BreakerOf<foxglove::Log>(planner, "broken_log", random),
-      BreakerOf<foxglove::Grid>(driver, "broken_grid", random),
-      BreakerOf<foxglove::VoxelGrid>(driver, "broken_voxels", random),
-      BreakerOf<foxglove::SceneUpdate>(driver, "broken_scene", random),
-      BreakerOf<foxglove::RawImage>(driver, "broken_image", random),
-      BreakerOf<foxglove::CompressedImage>(driver, "broken_photo", random),
-      BreakerOf<foxglove::PoseInFrame>(driver, "broken_pose", random)};
+  const std::vector<RawPublisher> breakers = {BreakerOf<foxglove::PointCloud>(driver, "broken_cloud"),
+                                              BreakerOf<foxglove::LaserScan>(driver, "broken_scan"),
+                                              BreakerOf<foxglove::PosesInFrame>(driver, "broken_way"),
+                                              BreakerOf<foxglove::Log>(planner, "broken_log"),
+                                              BreakerOf<foxglove::Grid>(driver, "broken_grid"),
+                                              BreakerOf<foxglove::VoxelGrid>(driver, "broken_voxels"),
+                                              BreakerOf<foxglove::SceneUpdate>(driver, "broken_scene"),
+                                              BreakerOf<foxglove::RawImage>(driver, "broken_image"),
+                                              BreakerOf<foxglove::CompressedImage>(driver, "broken_photo"),
+                                              BreakerOf<foxglove::PoseInFrame>(driver, "broken_pose")};
   Rate rate(driver.clock(), Duration(static_cast<std::int64_t>(1e9 / hz)));
   for (std::size_t step = 0; step < steps; ++step) {
     const Time now = WallNow();
     log(LineAt(step, now));
     odometry(PoseAt(step, hz, now));
     if (step % 10 == 0) goal(PoseAt(step + 40, hz, now));
-    for (const auto& publish_broken : breakers) publish_broken();
+    for (const RawPublisher& publish_broken : breakers) {
+      const auto bytes = std::make_shared<std::string>(random() % 200, '\0');
+      for (char& byte : *bytes) byte = static_cast<char>(random() & 255U);
+      publish_broken({AsBytes(*bytes), bytes});
+    }
     (void)rate.Sleep();
   }
   return 0;

@@ -63,11 +63,6 @@ class OnAnotherHost(ViewerCase):
         if done.returncode != 0:
             self.skipTest(f'"{" ".join(words)}" failed: {done.stderr.strip()}')
 
-    def file(self, name, text):
-        path = pathlib.Path(self.folder.name, name)
-        path.write_text(text, encoding="utf-8")
-        return path
-
     def start_robot(self):
         return self.start(*self.robot.inside, PUBLISHER, 20, 3000, 100_000, self.file("robot.yaml", ROBOT_FILE))
 
@@ -85,8 +80,7 @@ class OnAnotherHost(ViewerCase):
                                         "--channel", "lidar_visual_channel,keep=all", inside=self.desk.inside)
         robot = self.start_robot()
         first = self.read_until(viewer, lambda figures: float(figures["points"]) > 6000)
-        robot.kill()
-        robot.wait()
+        self.kill(robot)
         self.start_robot()
         self.read_until(viewer, lambda figures: float(figures["points"]) > float(first["points"]) + 6000)
         self.end(viewer)

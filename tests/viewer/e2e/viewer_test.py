@@ -55,11 +55,7 @@ def pixels(path):
 def colorful(path):
     """Share of the pixels that are neither background nor gray lines nor panels: the robot's data."""
     width, height, rows = pixels(path)
-    count = 0
-    for row in rows:
-        for x in range(0, 3 * width, 3):
-            if max(row[x:x + 3]) - min(row[x:x + 3]) > 80:
-                count += 1
+    count = sum(max(row[x:x + 3]) - min(row[x:x + 3]) > 80 for row in rows for x in range(0, 3 * width, 3))
     return count / (width * height)
 
 
@@ -69,12 +65,11 @@ class ViewerCase(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.environment = dict(os.environ, HGROS_DOMAIN=f"viewer-{os.getpid()}")
         self.running = []
-        self.addCleanup(self.end_all)
+        self.addCleanup(lambda: self.kill(*self.running))
 
-    def end_all(self):
-        for process in self.running:
-            if process.poll() is None:
-                process.kill()
+    def kill(self, *processes):
+        for process in processes:
+            process.kill()
             process.wait()
 
     def start(self, *arguments, **options):
@@ -84,12 +79,21 @@ class ViewerCase(unittest.TestCase):
         self.running.append(process)
         return process
 
-    def end(self, process):
-        self.assertEqual(process.wait(timeout=DEADLINE_S), 0, process.stderr.read())
+    def end(self, process, code=0, *words):
+        """Waits until it ends with that exit code, after an error with these words."""
+        ended, said = process.wait(timeout=DEADLINE_S), process.stderr.read()
+        self.assertEqual(ended, code, said)
+        for word in words:
+            self.assertIn(word, said)
 
     def stop(self, viewer):
         viewer.send_signal(signal.SIGTERM)
         self.end(viewer)
+
+    def file(self, name, text):
+        path = pathlib.Path(self.folder.name, name)
+        path.write_text(text, encoding="utf-8")
+        return path
 
     def picture(self, name="picture"):
         return pathlib.Path(self.folder.name, f"{name}.png")
@@ -109,6 +113,16 @@ class ViewerCase(unittest.TestCase):
             if "points" in figures and wanted(figures):
                 return figures
         self.fail("The viewer has not printed the expected line.")
+
+    def assert_says_in_time(self, words, code, *arguments):
+        """Names that a viewer has heard of show only at its end, with that exit code. So it gets more time each time."""
+        for seconds in (1, 4, 16):
+            viewer = self.start(VIEWER, "--offscreen", "64x64", "--after", seconds, *arguments)
+            self.assertEqual(viewer.wait(timeout=DEADLINE_S), code)
+            said = viewer.stderr.read()
+            if words in said:
+                return
+        self.assertIn(words, said)
 
     def line_with(self, viewer, words):
         """The next line of its standard error that contains these words; empty if the program ends first."""
@@ -130,9 +144,8 @@ class InMemory(ViewerCase):
                 self.assertGreater(colorful(self.picture(name)), cases[name][2])
 
     def test_shows_robots_whose_files_are_named(self):
-        robot = pathlib.Path(self.folder.name, "robot.urdf")
-        robot.write_text('<robot name="r"><link name="base"><visual><geometry><box size="6 3 2"/></geometry>'
-                         '<material name="m"><color rgba="1 0.4 0 1"/></material></visual></link></robot>')
+        robot = self.file("robot.urdf", '<robot name="r"><link name="base"><visual><geometry><box size="6 3 2"/></geometry>'
+                          '<material name="m"><color rgba="1 0.4 0 1"/></material></visual></link></robot>')
         viewer = self.start_for_picture(20, "--follow", "base", "--channel", "cloud,color=flat",
                                         "--display", f"Robot model,file={robot}")
         self.start(PUBLISHER, 20, 100, 1000)
@@ -155,16 +168,14 @@ class InMemory(ViewerCase):
         viewer = self.start_for_picture(60, "--channel", "cloud:foxglove.PointCloud", "--report", "0.1")
         publisher = self.start(PUBLISHER, 20, 2000, 1000)
         self.read_until(viewer, lambda figures: float(figures["points"]) > 0)
-        publisher.kill()
-        publisher.wait()
+        self.kill(publisher)
         self.start(PUBLISHER, 20, 2000, 1000)
         self.end(viewer)
         self.assertGreater(colorful(self.picture()), 0.005)
 
     def test_writes_a_layout_that_it_reads_again(self):
-        layout = pathlib.Path(self.folder.name, "layout.yaml")
-        layout.write_text("save_on_exit: true\ndisplays:\n  - kind: Point cloud\n    channel: cloud\n"
-                          "    settings: {keep: all}\npanels: [Graph]\n")
+        layout = self.file("layout.yaml", "save_on_exit: true\ndisplays:\n  - kind: Point cloud\n    channel: cloud\n"
+                           "    settings: {keep: all}\npanels: [Graph]\n")
         for _ in range(2):
             self.end(self.start(VIEWER, "--offscreen", "320x240", "--config", layout, "--frames", 3))
             written = layout.read_text()
@@ -172,22 +183,20 @@ class InMemory(ViewerCase):
             self.assertIn("kind: Graph", written)
             self.assertNotIn("Ground", written, "only what the layout names is shown")
         layout.write_text("displays:\n  - kind: Groud\n")
-        viewer = self.start(VIEWER, "--offscreen", "64x64", "--config", layout)
-        self.assertEqual(viewer.wait(timeout=DEADLINE_S), 1)
-        self.assertIn("layout.yaml:2:5: There is no display", viewer.stderr.read())
+        self.end(self.start(VIEWER, "--offscreen", "64x64", "--config", layout), 1,
+                 "layout.yaml:2:5: There is no display")
 
     def test_hands_its_pictures_to_ffmpeg(self):
-        film, ffmpeg = pathlib.Path(self.folder.name, "film.mp4"), pathlib.Path(self.folder.name, "ffmpeg")
-        ffmpeg.write_text('#!/bin/sh\nfor word; do last=$word; done\nexec cat > "${last#file:}"\n')
+        film = pathlib.Path(self.folder.name, "film.mp4")
+        ffmpeg = self.file("ffmpeg", '#!/bin/sh\nfor word; do last=$word; done\nexec cat > "${last#file:}"\n')
         ffmpeg.chmod(0o755)
         self.environment["PATH"] = f"{self.folder.name}:{self.environment['PATH']}"
         self.end(self.start(VIEWER, "--offscreen", "64x48", "--frames", 2, "--record-video", film))
         self.assertEqual(film.stat().st_size % (64 * 48 * 3), 0)
         self.assertGreaterEqual(film.stat().st_size, 2 * 64 * 48 * 3)
         ffmpeg.write_text("#!/bin/sh\necho no room >&2\nexit 1\n")
-        viewer = self.start(VIEWER, "--offscreen", "640x480", "--frames", 3, "--record-video", film)
-        self.assertEqual(viewer.wait(timeout=DEADLINE_S), 1)
-        self.assertIn("failed and said: no room", viewer.stderr.read())
+        self.end(self.start(VIEWER, "--offscreen", "640x480", "--frames", 3, "--record-video", film), 1,
+                 "failed and said: no room")
 
     def test_goes_on_beside_a_robot_that_sends_what_is_no_message(self):
         picture = self.picture()
@@ -224,8 +233,7 @@ class InMemory(ViewerCase):
         self.stop(viewer)
 
     def test_ends_by_saying_what_was_asked_for_and_never_came(self):
-        robot = pathlib.Path(self.folder.name, "broken.urdf")
-        robot.write_text("<robot>")
+        robot = self.file("broken.urdf", "<robot>")
         for arguments, words in ((["--channel", "clodu"], 'The channel "clodu" was never published. Did you mean "cloud"?'),
                                  (["--channel", "clodu:foxglove.PointCloud"], 'The channel "clodu" was never published.'),
                                  (["--channel", "cloud", "--follow", "bsae"], '"bsae", which the camera should follow'),
@@ -237,27 +245,13 @@ class InMemory(ViewerCase):
             with self.subTest(arguments=arguments):
                 publisher = self.start(PUBLISHER, 20, 100, 1000)
                 others = self.start(VIEWER, "--offscreen", "64x64", "--channel", "cloud")
-                # The names that it has heard of show only at its end. So it gets more time each time.
-                for seconds in (1, 4, 16):
-                    viewer = self.start(VIEWER, "--offscreen", "64x64", "--after", seconds, *arguments)
-                    self.assertEqual(viewer.wait(timeout=DEADLINE_S), 1)
-                    said = viewer.stderr.read()
-                    if words in said:
-                        break
-                self.assertIn(words, said)
-                for process in (publisher, others):
-                    process.kill()
-                    process.wait()
+                self.assert_says_in_time(words, 1, *arguments)
+                self.kill(publisher, others)
 
     def test_says_what_it_found_and_could_not_draw(self):
         self.start(TALKER, 100_000, 30)
-        for seconds in (1, 4, 16):  # It may take it longer to find all channels.
-            viewer = self.start(VIEWER, "--offscreen", "64x64", "--after", seconds)
-            self.assertEqual(viewer.wait(timeout=DEADLINE_S), 0, "it was not requested")
-            said = viewer.stderr.read()
-            if "broken_cloud" in said:
-                break
-        self.assertIn('No message came on the channel "broken_cloud" that could be shown.', said)
+        words = 'No message came on the channel "broken_cloud" that could be shown.'
+        self.assert_says_in_time(words, 0)  # It was not requested.
 
     def test_says_what_it_waits_for_while_nothing_arrives(self):
         domain = self.environment["HGROS_DOMAIN"]
@@ -268,10 +262,7 @@ class InMemory(ViewerCase):
                  ('Waiting for the channels "scan", "cloud".', f'the domain "{domain}"')),
                 ([], ["HGROS_DOMAIN=none"], 0, ("Discovery is off", "--network")))]:
             with self.subTest(arguments=viewer.args):
-                ended, said = viewer.wait(timeout=DEADLINE_S), viewer.stderr.read()
-                self.assertEqual(ended, code, said)
-                for word in words:
-                    self.assertIn(word, said)
+                self.end(viewer, code, *words)
 
     def test_shows_a_large_gray_image_in_little_memory(self):
         viewer = self.start(VIEWER, "--offscreen", "320x240", "--report", "0.1")
@@ -323,16 +314,6 @@ class InMemory(ViewerCase):
                     self.assertIn(words, viewer.stderr.read())
 
 
-class ClientMessage(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
-                ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong),
-                ("format", ctypes.c_int), ("data", ctypes.c_long * 5)]
-
-
-class Event(ctypes.Union):
-    _fields_ = [("message", ClientMessage), ("room", ctypes.c_long * 24)]
-
-
 def ask_to_close(screen, window):
     """Asks a window of an X screen to close, as a window manager does when a user clicks its close button."""
     x11 = ctypes.CDLL("libX11.so.6")
@@ -344,12 +325,9 @@ def ask_to_close(screen, window):
     display = x11.XOpenDisplay(screen.encode())
     if not display:
         raise OSError(f"The screen {screen} cannot be reached.")
-    event = Event()
-    event.message.type = 33  # ClientMessage in X.h
-    event.message.window = window
-    event.message.message_type = x11.XInternAtom(display, b"WM_PROTOCOLS", False)
-    event.message.format = 32
-    event.message.data[0] = x11.XInternAtom(display, b"WM_DELETE_WINDOW", False)
+    protocols, deletion = (x11.XInternAtom(display, name, False) for name in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW"))
+    # An XClientMessageEvent, whose fields begin 8 bytes apart: the type 33, ..., window, message type, format, data.
+    event = (ctypes.c_long * 24)(33, 0, 0, 0, window, protocols, 32, deletion)
     x11.XSendEvent(display, window, False, 0, ctypes.byref(event))
     x11.XCloseDisplay(display)  # Sends what waits.
 
@@ -386,8 +364,7 @@ class InAWindow(ViewerCase):
         self.read_until(viewer, lambda figures: float(figures["frames"]) >= drawn + count)
 
     def test_turns_zooms_takes_another_size_and_never_replaces_a_layout_that_it_has_not_read(self):
-        layout, other = (pathlib.Path(self.folder.name, name) for name in ("hgros-viewer.yaml", "hgros-viewer-2.yaml"))
-        layout.write_text("# mine\n")
+        layout, other = self.file("hgros-viewer.yaml", "# mine\n"), pathlib.Path(self.folder.name, "hgros-viewer-2.yaml")
         viewer, window = self.open("640x480", cwd=self.folder.name)
         idle = self.read_until(viewer, lambda figures: True)
         self.do("mousemove", "--window", window, 400, 300, "mousedown", 1, "mousemove", "--window", window, 460, 330,
@@ -405,8 +382,7 @@ class InAWindow(ViewerCase):
         self.stop(viewer)
 
     def test_opens_panels_picks_stands_still_and_writes_what_it_shows(self):
-        layout = pathlib.Path(self.folder.name, "layout.yaml")
-        layout.write_text("panels: [{kind: Graph, place: [300, 220, 340, 240]}]\n")
+        layout = self.file("layout.yaml", "panels: [{kind: Graph, place: [300, 220, 340, 240]}]\n")
         given = layout.read_text()
         viewer, window = self.open("760x560", "--config", layout, cwd=self.folder.name)
         self.start(TALKER, 2000, 20)
@@ -438,8 +414,7 @@ class InAWindow(ViewerCase):
         self.stop(viewer)
 
     def test_ends_and_keeps_its_layout_when_its_window_is_closed(self):
-        layout = pathlib.Path(self.folder.name, "layout.yaml")
-        layout.write_text("save_on_exit: true\nfixed_frame: map\n")
+        layout = self.file("layout.yaml", "save_on_exit: true\nfixed_frame: map\n")
         viewer, window = self.open("640x480", "--config", layout)
         self.assertNotIn("camera", layout.read_text())
         ask_to_close(self.environment["DISPLAY"], int(window))

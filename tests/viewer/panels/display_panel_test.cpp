@@ -24,11 +24,7 @@ const DisplayType kSilent = {"Silent", {"Silence"}, [](const DisplayInputs& /*in
 class DisplayPanelTest : public PanelTest {
  protected:
   void DrawPanel(const std::vector<ChannelRow>& channels) {
-    for (int i = 0; i < 2; ++i) {
-      ImGui::NewFrame();
-      (void)panel_.Draw(scene_, frame_, channels, dock_);
-      ImGui::Render();
-    }
+    for (int i = 0; i < 2; ++i) Frame([&] { (void)panel_.Draw(scene_, frame_, channels, dock_); });
   }
   void AddSilent() {
     scene_.Add(kSilent, {session_, "scan", [] {}});

@@ -63,11 +63,7 @@ TEST_F(PanelLines, ViewPanelStaysAtItsEdgeWhenTheWindowIsResized) {
   LayoutTarget file;
   const auto room_at_right = [&](float width) {
     ImGui::GetIO().DisplaySize = {width, 800};
-    for (int i = 0; i < 3; ++i) {
-      ImGui::NewFrame();
-      (void)view.Draw(camera, frame, file);
-      ImGui::Render();
-    }
+    for (int i = 0; i < 3; ++i) Frame([&] { (void)view.Draw(camera, frame, file); });
     const ImGuiWindow& window = *ImGui::FindWindowByName("View");
     return width - window.Pos.x - window.Size.x;
   };

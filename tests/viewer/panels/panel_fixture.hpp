@@ -41,12 +41,17 @@ class PanelTest : public ::testing::Test {
     now_s_ += 1;
     (void)dock_.Update({now_s_, channels_});
   }
-  /// Lays everything out. Returns the number of triangles.
-  int Draw() {
+  /// Lays out a frame with what `draw` draws. Returns the number of triangles.
+  template <class F>
+  static int Frame(const F& draw) {
     ImGui::NewFrame();
-    dock_.Draw(PanelRoom());
+    draw();
     ImGui::Render();
     return ImGui::GetDrawData()->TotalIdxCount / 3;
+  }
+  /// The same for the dock.
+  int Draw() {
+    return Frame([&] { dock_.Draw(PanelRoom()); });
   }
   /// Whether this session subscribes to a channel.
   bool Subscribes(const std::string& name) {

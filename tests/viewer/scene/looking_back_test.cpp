@@ -1,9 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <limits>
 
-#include "foxglove/PointCloud.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
 #include "viewer/e2e/message_parts.hpp"

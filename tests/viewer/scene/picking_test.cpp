@@ -1,13 +1,8 @@
-#include <gtest/gtest.h>
-
-#include <cstring>
 #include <memory>
 #include <string>
 
 #include "foxglove/Grid.pb.h"
-#include "foxglove/PointCloud.pb.h"
 #include "foxglove/PosesInFrame.pb.h"
-#include "foxglove/SceneUpdate.pb.h"
 #include "foxglove/VoxelGrid.pb.h"
 #include "hgros/Shapes.pb.h"
 #include "viewer/e2e/message_parts.hpp"
@@ -93,11 +88,7 @@ foxglove::Grid TwoCells() {
   foxglove::Grid grid;
   grid.set_frame_id("map");
   SetXyz(*grid.mutable_pose()->mutable_position(), -4, -2, 1);
-  grid.mutable_cell_size()->set_x(4);
-  grid.mutable_cell_size()->set_y(4);
-  grid.set_column_count(2);
-  grid.set_cell_stride(1);
-  grid.set_row_stride(2);
+  SetCells(grid, 2, 1, 4);
   AddField(grid, "cost", foxglove::PackedElementField::INT8);
   grid.set_data(std::string({0, 50}));
   return grid;
@@ -120,8 +111,7 @@ TEST_F(PickingTest, ReturnsTransparentThingsButNotInvisibleOnes) {
 TEST_F(PickingTest, ReturnsTheHeightOfAGridExactly) {
   foxglove::Grid grid = TwoCells();
   SetXyz(*grid.mutable_pose()->mutable_position(), -40, -40, 0);
-  grid.mutable_cell_size()->set_x(40);
-  grid.mutable_cell_size()->set_y(80);
+  SetXy(*grid.mutable_cell_size(), 40, 80);
   Display& costs = Show("Grid", "costs", grid, {"palette", "map"});
   for (const char* alpha : {"1", "0.5"}) {
     SetStandingStill(costs, "alpha", alpha);
@@ -251,12 +241,7 @@ TEST_F(PickingTest, ReturnsTransparentThingsOfEveryKind) {
   foxglove::VoxelGrid voxels;
   voxels.set_frame_id("map");
   voxels.mutable_pose()->mutable_position()->set_x(4);
-  voxels.set_column_count(1);
-  voxels.set_row_count(1);
-  SetXyz(*voxels.mutable_cell_size(), 1, 1, 1);
-  voxels.set_cell_stride(1);
-  voxels.set_row_stride(1);
-  voxels.set_slice_stride(1);
+  SetVoxels(voxels, 1, 1, 1, 1);
   AddField(voxels, "full", foxglove::PackedElementField::UINT8);
   voxels.set_data(std::string(1, 1));
   Show("Scene", "things", update);

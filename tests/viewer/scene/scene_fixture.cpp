@@ -52,15 +52,21 @@ void DrawingTest::SetUp() {
 
 Display& SceneTest::Add(const std::string& type, const std::string& channel, const std::vector<std::string>& settings) {
   Display& display = *scene_.Add(*DisplayTypeNamed(type), {session_, channel, [] {}}).display;
-  const std::vector<Setting> known = display.Settings();
-  for (std::size_t i = 0; i + 1 < settings.size(); i += 2) {
-    const auto setting = std::ranges::find(known, settings[i], &Setting::name);
-    EXPECT_NE(setting, known.end()) << settings[i];
-    if (setting == known.end()) continue;
-    EXPECT_EQ(SetFromText(*setting, settings[i + 1]), "");
-    display.OnSetting(settings[i]);
-  }
+  for (std::size_t i = 0; i + 1 < settings.size(); i += 2) Set(display, settings[i], settings[i + 1]);
   return display;
+}
+
+void SceneTest::Set(Display& display, const std::string& name, const std::string& text) {
+  const std::vector<Setting> known = display.Settings();
+  const auto setting = std::ranges::find(known, name, &Setting::name);
+  ASSERT_NE(setting, known.end()) << name;
+  EXPECT_EQ(SetFromText(*setting, text), "");
+  display.OnSetting(name);
+}
+
+std::string SceneTest::SettingText(Display& display, const std::string& name) {
+  const std::vector<Setting> known = display.Settings();
+  return TextOf(*std::ranges::find(known, name, &Setting::name));
 }
 
 void SceneTest::Update(double now_s) {
@@ -72,11 +78,7 @@ void SceneTest::Update(double now_s) {
 
 void SceneTest::SetStandingStill(Display& display, const std::string& name, const std::string& text) {
   ASSERT_TRUE(session_.WaitIdle(std::chrono::seconds(10)));
-  const std::vector<Setting> known = display.Settings();
-  const auto setting = std::ranges::find(known, name, &Setting::name);
-  ASSERT_NE(setting, known.end()) << name;
-  ASSERT_EQ(SetFromText(*setting, text), "");
-  display.OnSetting(name);
+  Set(display, name, text);
   scene_.ApplySettings({frame_, 0, false, false});
 }
 

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,6 +32,9 @@ class SceneTest : public DrawingTest {
   /// Adds a display for `channel`, with settings as name, text, name, text ...
   Display& Add(const std::string& type, const std::string& channel = {}, const std::vector<std::string>& settings = {});
   void Update(double now_s = 0);
+  static void Set(Display& display, const std::string& name, const std::string& text);
+  /// The value of a setting.
+  [[nodiscard]] static std::string SettingText(Display& display, const std::string& name);
   /// Changes a setting as a user does during a pause: no messages are taken in.
   void SetStandingStill(Display& display, const std::string& name, const std::string& text);
   /// Draws until the picture is complete.
@@ -60,6 +62,10 @@ class SceneTest : public DrawingTest {
     Send(channel, message);
     return display;
   }
+  void SetStatic(const std::string& parent, const std::string& child, const RigidTransform& T_parent_child = {}) {
+    tree_.SetStatic(parent, child, T_parent_child);
+    transforms_changed_ = true;
+  }
   /// Changes where a frame is in "map".
   void Move(const std::string& frame, std::int64_t stamp_ns, const Eigen::Vector3d& at = Eigen::Vector3d::Zero()) {
     tree_.Set("map", frame, Time{stamp_ns}, RigidTransform({1, 0, 0, 0}, at));
@@ -68,8 +74,7 @@ class SceneTest : public DrawingTest {
 
   // What displays of several types do.
 
-  /// When `old` is replaced, nothing of it is left in the picture: neither at once nor after a rest, when it is
-  /// settled.
+  /// When `old` is replaced, nothing of it is left in the picture: neither at once nor after a rest.
   template <class T>
   void ExpectNothingLeftOf(const T& old, const T& latest, double tolerance, const std::string& type,
                            const std::vector<std::string>& settings = {}) {
@@ -106,8 +111,7 @@ class SceneTest : public DrawingTest {
                             const std::vector<std::string>& settings = {}) {
     Show(type, "channel", in_map, settings);
     const Pixels here = Draw();
-    tree_.SetStatic("map", "utm", T_map_utm);
-    transforms_changed_ = true;
+    SetStatic("map", "utm", T_map_utm);
     Send("channel", in_utm, 1);
     camera_.Follow(RigidTransform(), T_map_utm, true);
     EXPECT_LT(DifferentShare(here, Draw()), 0.01);
@@ -123,6 +127,7 @@ class SceneTest : public DrawingTest {
     EXPECT_TRUE(display.HasFault());
     Send("channel", empty, 3);
     EXPECT_FALSE(display.HasFault()) << display.Status().front();
+    EXPECT_EQ(display.WaitsFor(), "");
     Send("channel", full, 10);
     EXPECT_FALSE(display.HasFault()) << "the transform may still come";
     EXPECT_NE(display.WaitsFor().find("lidar"), std::string::npos);

@@ -1,9 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <vector>
 
 #include "support/path.hpp"
@@ -32,15 +29,11 @@ Table ReadTable() {
   std::ifstream file(hgros::test::Path("page"));
   Table table;
   std::vector<std::string> displays;
-  bool inside = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line == "| display | setting | means | default |") {
-      inside = true;
-      std::getline(file, line);
-      continue;
-    }
-    if (inside && line.empty()) break;
-    if (!inside) continue;
+  std::string line;
+  while (std::getline(file, line) && line != "| display | setting | means | default |") {
+  }
+  std::getline(file, line);  // Between the head and the rows.
+  while (std::getline(file, line) && !line.empty()) {
     const std::vector<std::string> cells = Split(line, "|");
     if (cells.size() != 6) {
       ADD_FAILURE() << line;

@@ -75,11 +75,10 @@ TEST(PointPicks, MeasuresFromTheFirstToTheSecond) {
   picks.Add(At(1, 1, 1));
   EXPECT_FALSE(picks.measurement()) << "one point alone has no distance";
   picks.Add(At(4, 5, 13));
-  const auto measured = picks.measurement();
-  ASSERT_TRUE(measured);
-  EXPECT_EQ(measured->step, Eigen::Vector3d(3, 4, 12));
-  EXPECT_DOUBLE_EQ(measured->distance, 13);
-  EXPECT_DOUBLE_EQ(measured->in_plane, 5);
+  const Measurement measured = picks.measurement().value();
+  EXPECT_EQ(measured.step, Eigen::Vector3d(3, 4, 12));
+  EXPECT_DOUBLE_EQ(measured.distance, 13);
+  EXPECT_DOUBLE_EQ(measured.in_plane, 5);
 }
 
 TEST(PointPicks, StartsAgainWithTheThirdPoint) {

@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <tuple>
 
 #include "support/error_of.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace hgros::viewer {
 namespace {
+
+using namespace std::chrono_literals;
 
 /// A folder, first in PATH, with a script that replaces ffmpeg.
 class VideoRecorderTest : public ::testing::Test {
@@ -27,21 +30,15 @@ class VideoRecorderTest : public ::testing::Test {
   const std::string copies_ = "for word; do last=$word; done; exec cat > \"${last#file:}\"\n";
 };
 
+constexpr Viewport kSize{640, 480};
+
 std::vector<std::uint8_t> GrayPicture(const Viewport& size, std::uint8_t value) {
   return std::vector<std::uint8_t>(static_cast<std::size_t>(3 * size.width * size.height), value);
-}
-
-/// The first error with an ffmpeg that soon accepts no more pictures.
-std::string FirstFault(VideoRecorder& recorder, const Viewport& size) {
-  std::string fault;
-  for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(size, GrayPicture(size, 1));
-  return fault;
 }
 
 TEST_F(VideoRecorderTest, PassesEveryPictureToFfmpeg) {
   Stand(copies_);
   VideoRecorder recorder(folder_ / "film.mp4");
-  constexpr Viewport kSize{640, 480};
   for (std::uint8_t i = 0; i < 5; ++i) EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, i)), "");
   EXPECT_EQ(recorder.pictures(), 5U);
   EXPECT_EQ(recorder.Finish(), "");
@@ -80,38 +77,29 @@ TEST_F(VideoRecorderTest, RepeatsTheLastPicture) {
 
 TEST_F(VideoRecorderTest, KillsFfmpegWhenItDoesNotEnd) {
   Stand("cat > /dev/null; exec sleep 1000\n");
-  VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
+  VideoRecorder recorder(folder_ / "film.mp4", 200ms);
   EXPECT_EQ(recorder.Add({2, 2}, GrayPicture({2, 2}, 1)), "");
   const std::string fault = recorder.Finish();
   EXPECT_NE(fault.find("did not end within 0.6 s and was killed"), std::string::npos) << fault;
   EXPECT_FALSE(recorder.recording());
 }
 
-TEST_F(VideoRecorderTest, KillsFfmpegWhenItAcceptsNoData) {
-  Stand("exec sleep 1000\n");
-  VideoRecorder recorder(folder_ / "film.mp4", std::chrono::milliseconds(200));
-  constexpr Viewport kSize{1024, 1024};
-  const std::string fault = FirstFault(recorder, kSize);
-  EXPECT_NE(fault.find("accepted no picture for 0.2 s"), std::string::npos) << fault;
-}
-
-TEST_F(VideoRecorderTest, ReportsFfmpegsMessageWhenItFails) {
-  Stand("echo 'Unknown encoder' >&2\nexit 1\n");
-  VideoRecorder recorder(folder_ / "film.mp4");
-  constexpr Viewport kSize{640, 480};
-  const std::string fault = FirstFault(recorder, kSize);
-  EXPECT_NE(fault.find("failed and said: Unknown encoder"), std::string::npos) << fault;
-  EXPECT_FALSE(recorder.recording());
-  EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, 1)), "") << "it is reported once";
-  EXPECT_EQ(recorder.Finish(), "");
-}
-
-TEST_F(VideoRecorderTest, ReportsAnErrorWhenFfmpegIsKilled) {
-  Stand("kill -9 $$\n");
-  VideoRecorder recorder(folder_ / "film.mp4");
-  constexpr Viewport kSize{640, 480};
-  const std::string fault = FirstFault(recorder, kSize);
-  EXPECT_NE(fault.find("was killed"), std::string::npos) << fault;
+TEST_F(VideoRecorderTest, ReportsOnceThatFfmpegFailedWasKilledOrAcceptsNoData) {
+  const std::tuple<const char*, std::chrono::milliseconds, const char*> cases[] = {
+      {"echo 'Unknown encoder' >&2\nexit 1\n", 20s, "failed and said: Unknown encoder"},
+      {"kill -9 $$\n", 20s, "was killed"},
+      {"exec sleep 1000\n", 200ms, "accepted no picture for 0.2 s"}};
+  for (const auto& [script, patience, words] : cases) {
+    SCOPED_TRACE(words);
+    Stand(script);
+    VideoRecorder recorder(folder_ / "film.mp4", patience);
+    std::string fault;
+    for (int i = 0; i < 100 && fault.empty(); ++i) fault = recorder.Add(kSize, GrayPicture(kSize, 1));
+    EXPECT_NE(fault.find(words), std::string::npos) << fault;
+    EXPECT_FALSE(recorder.recording());
+    EXPECT_EQ(recorder.Add(kSize, GrayPicture(kSize, 1)), "");
+    EXPECT_EQ(recorder.Finish(), "");
+  }
 }
 
 TEST_F(VideoRecorderTest, ReportsMissingFfmpeg) {

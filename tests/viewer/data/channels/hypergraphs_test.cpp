@@ -29,9 +29,11 @@ KnownChannel Channel(const std::string& name, std::vector<ChannelUser> publisher
   return channel;
 }
 
-Snapshot::Channel& AddChannel(Snapshot& snapshot, const std::string& name) {
+/// Adds the channel "scan" to a snapshot of that second.
+Snapshot::Channel& AddScan(Snapshot& snapshot, std::uint64_t second) {
+  snapshot.set_steady_ns(static_cast<std::int64_t>(1'000'000'000 * second));
   Snapshot::Channel& channel = *snapshot.add_channels();
-  channel.set_name(name);
+  channel.set_name("scan");
   return channel;
 }
 
@@ -54,25 +56,22 @@ TEST(ViewerHypergraph, ConnectsProcessesByTheirChannels) {
 
 TEST(ViewerHypergraph, ShowsTheCountsOfProcesses) {
   SessionCounts counts;
-  for (int second = 0; second < 2; ++second) {
-    const auto passed = static_cast<std::uint64_t>(second);
+  for (const std::uint64_t second : {0U, 1U}) {
     Snapshot lidar;
-    lidar.set_steady_ns(1'000'000'000LL * second);
-    Snapshot::Channel& published = AddChannel(lidar, "scan");
-    published.set_published(100 + 10 * passed);
+    Snapshot::Channel& published = AddScan(lidar, second);
+    published.set_published(100 + 10 * second);
     published.set_refused(3);
     published.set_send_dropped(4);
     counts.Add(2, lidar);
     Snapshot slam;
-    slam.set_steady_ns(1'000'000'000LL * second);
-    Snapshot::Channel& received = AddChannel(slam, "scan");
-    received.set_received(50 + 9 * passed);
+    Snapshot::Channel& received = AddScan(slam, second);
+    received.set_received(50 + 9 * second);
     received.set_lost(5);
     received.set_faults(7);
     for (const char* name : {"slow", "scan#1"}) {
       Snapshot::Node& node = *received.add_nodes();
       node.set_name(name);
-      node.set_received(50 + 9 * passed);
+      node.set_received(50 + 9 * second);
       node.set_dropped(6);
       node.set_failed(1);
       node.set_run_p99_ns(name[1] == 'l' ? 2000 : 1000);
@@ -106,10 +105,9 @@ TEST(ViewerHypergraph, ShowsTheCountsOfProcesses) {
 
 TEST(ViewerHypergraph, EstimatesTheRateOfSilentPublishersFromSubscribers) {
   SessionCounts counts;
-  for (int second = 0; second < 2; ++second) {
+  for (const std::uint64_t second : {0U, 1U}) {
     Snapshot own;
-    own.set_steady_ns(1'000'000'000LL * second);
-    AddChannel(own, "scan").set_received(static_cast<std::uint64_t>(7 * second));
+    AddScan(own, second).set_received(7 * second);
     counts.Add(1, own);
   }
   const auto graph = MakeHypergraph({Channel("scan", {User(2, "driver")}, {User(1, "viewer")})}, {1}, counts, {});

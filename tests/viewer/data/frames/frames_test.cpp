@@ -1,4 +1,3 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -16,65 +15,59 @@ using Answer = FixedFrame::Answer;
 
 constexpr Time kNow{5'000'000'000};
 
-TEST(FixedFrame, IsTheFirstMessagesFrameWhileThereAreNoTransforms) {
-  const TransformTree tree;
-  FixedFrame frame(tree);
-  EXPECT_FALSE(frame.Refresh());
-  EXPECT_TRUE(frame.Saw("laser"));
-  EXPECT_FALSE(frame.Saw("camera"));
-  RigidTransform T;
-  std::string why;
-  EXPECT_EQ(frame.Find("laser", kNow, T, why), Answer::kFound);
-  EXPECT_EQ(frame.Find("", kNow, T, why), Answer::kFound);
-  EXPECT_EQ(frame.Find("camera", kNow, T, why), Answer::kLater);
-  EXPECT_NE(why, "");
+class FixedFrameTest : public ::testing::Test {
+ protected:
+  TransformTree tree_;
+  FixedFrame frame_{tree_};
+  RigidTransform place_;
+  std::string why_;
+};
+
+TEST_F(FixedFrameTest, IsTheFirstMessagesFrameWhileThereAreNoTransforms) {
+  EXPECT_FALSE(frame_.Refresh());
+  EXPECT_TRUE(frame_.Saw("laser"));
+  EXPECT_FALSE(frame_.Saw("camera"));
+  EXPECT_EQ(frame_.Find("laser", kNow, place_, why_), Answer::kFound);
+  EXPECT_EQ(frame_.Find("", kNow, place_, why_), Answer::kFound);
+  EXPECT_EQ(frame_.Find("camera", kNow, place_, why_), Answer::kLater);
+  EXPECT_NE(why_, "");
 }
 
-TEST(FixedFrame, IsTheRootOfTheTransformsAndFollowsANewRoot) {
-  TransformTree tree;
-  FixedFrame frame(tree);
-  tree.Set("odom", "base", kNow, RigidTransform());
-  EXPECT_TRUE(frame.Refresh());
-  EXPECT_EQ(frame.name(), "odom");
-  tree.Set("map", "odom", kNow, RigidTransform());
-  EXPECT_TRUE(frame.Refresh());
-  EXPECT_EQ(frame.name(), "map");
-  EXPECT_FALSE(frame.Refresh());
+TEST_F(FixedFrameTest, IsTheRootOfTheTransformsAndFollowsANewRoot) {
+  tree_.Set("odom", "base", kNow, RigidTransform());
+  EXPECT_TRUE(frame_.Refresh());
+  EXPECT_EQ(frame_.name(), "odom");
+  tree_.Set("map", "odom", kNow, RigidTransform());
+  EXPECT_TRUE(frame_.Refresh());
+  EXPECT_EQ(frame_.name(), "map");
+  EXPECT_FALSE(frame_.Refresh());
 }
 
-TEST(FixedFrame, PrefersUsualNamesAmongRoots) {
-  TransformTree tree;
-  tree.SetStatic("a", "b", RigidTransform());
-  tree.SetStatic("b", "c", RigidTransform());
-  tree.SetStatic("map", "d", RigidTransform());
-  FixedFrame frame(tree);
-  EXPECT_TRUE(frame.Refresh());
-  EXPECT_EQ(frame.name(), "map");
+TEST_F(FixedFrameTest, PrefersUsualNamesAmongRoots) {
+  tree_.SetStatic("a", "b", RigidTransform());
+  tree_.SetStatic("b", "c", RigidTransform());
+  tree_.SetStatic("map", "d", RigidTransform());
+  EXPECT_TRUE(frame_.Refresh());
+  EXPECT_EQ(frame_.name(), "map");
 }
 
-TEST(FixedFrame, KeepsTheRequestedFrame) {
-  TransformTree tree;
-  tree.SetStatic("map", "base", RigidTransform());
-  FixedFrame frame(tree);
-  frame.Ask("base");
-  EXPECT_FALSE(frame.Refresh());
-  EXPECT_EQ(frame.name(), "base");
-  frame.Ask("");
-  EXPECT_TRUE(frame.Refresh());
-  EXPECT_EQ(frame.name(), "map");
+TEST_F(FixedFrameTest, KeepsTheRequestedFrame) {
+  tree_.SetStatic("map", "base", RigidTransform());
+  frame_.Ask("base");
+  EXPECT_FALSE(frame_.Refresh());
+  EXPECT_EQ(frame_.name(), "base");
+  frame_.Ask("");
+  EXPECT_TRUE(frame_.Refresh());
+  EXPECT_EQ(frame_.name(), "map");
 }
 
-TEST(FixedFrame, ReportsWhetherATransformMayStillArrive) {
-  TransformTree tree;
-  tree.Set("map", "base", kNow, RigidTransform());
-  FixedFrame frame(tree);
-  (void)frame.Refresh();
-  RigidTransform T;
-  std::string why;
-  EXPECT_EQ(frame.Find("base", kNow, T, why), Answer::kFound);
-  EXPECT_EQ(frame.Find("base", Time{}, T, why), Answer::kFound) << "no stamp: the latest";
-  EXPECT_EQ(frame.Find("base", kNow + std::chrono::seconds(1), T, why), Answer::kLater);
-  EXPECT_EQ(frame.Find("base", kNow - std::chrono::seconds(1), T, why), Answer::kNever);
+TEST_F(FixedFrameTest, ReportsWhetherATransformMayStillArrive) {
+  tree_.Set("map", "base", kNow, RigidTransform());
+  (void)frame_.Refresh();
+  EXPECT_EQ(frame_.Find("base", kNow, place_, why_), Answer::kFound);
+  EXPECT_EQ(frame_.Find("base", Time{}, place_, why_), Answer::kFound) << "no stamp: the latest";
+  EXPECT_EQ(frame_.Find("base", kNow + std::chrono::seconds(1), place_, why_), Answer::kLater);
+  EXPECT_EQ(frame_.Find("base", kNow - std::chrono::seconds(1), place_, why_), Answer::kNever);
 }
 
 constexpr double kNever = std::numeric_limits<double>::infinity();

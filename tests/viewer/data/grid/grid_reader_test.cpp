@@ -8,25 +8,24 @@
 
 #include "hgros/codec/packed_elements.hpp"
 #include "viewer/data/grid/voxel_reader.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 using foxglove::Grid;
 using foxglove::PackedElementField;
+using foxglove::VoxelGrid;
+using test::AddField;
+using test::SetCells;
 using ::testing::HasSubstr;
 
 template <class T>
 Grid GridOf(const std::vector<T>& values, unsigned columns, PackedElementField::NumericType type) {
   Grid grid;
-  grid.set_column_count(columns);
-  grid.mutable_cell_size()->set_x(0.5);
+  SetCells(grid, columns, sizeof(T), 0.5);
   grid.mutable_cell_size()->set_y(0.25);
-  grid.set_cell_stride(sizeof(T));
-  grid.set_row_stride(columns * sizeof(T));
-  auto& field = *grid.add_fields();
-  field.set_name("value");
-  field.set_type(type);
+  AddField(grid, "value", type);
   grid.set_data(values.data(), values.size() * sizeof(T));
   return grid;
 }
@@ -61,20 +60,15 @@ TEST(GridReader, ColorsCostsFromBlueToRed) {
 }
 
 template <class T>
-struct Typed {
-  using Number = T;
-  static constexpr auto kType = static_cast<PackedElementField::NumericType>(NumericTypeOf<T>());
-};
-template <class T>
 class GridReaderOf : public testing::Test {};
 using Types =
     testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>;
 TYPED_TEST_SUITE(GridReaderOf, Types);
 
 TYPED_TEST(GridReaderOf, ReadsEveryNumericType) {
+  constexpr auto kType = static_cast<PackedElementField::NumericType>(NumericTypeOf<TypeParam>());
   GridPicture picture;
-  ASSERT_EQ(Read(GridOf<TypeParam>({10, 20, 30, 30}, 4, Typed<TypeParam>::kType), picture, "value", GridPalette::kRaw),
-            "");
+  ASSERT_EQ(Read(GridOf<TypeParam>({10, 20, 30, 30}, 4, kType), picture, "value", GridPalette::kRaw), "");
   EXPECT_EQ(picture.pixels, (std::vector<Rgba>{MakeRgba(0, 0, 0), MakeRgba(128, 128, 128), MakeRgba(255, 255, 255),
                                                MakeRgba(255, 255, 255)}));
 }
@@ -89,18 +83,10 @@ TEST(GridReader, MakesCellsThatAreNotNumbersTransparent) {
 
 TEST(GridReader, ReadsCellsWithColorsAndPadding) {
   Grid grid;
-  grid.set_column_count(1);
-  grid.mutable_cell_size()->set_x(1);
-  grid.mutable_cell_size()->set_y(1);
-  grid.set_cell_stride(4);
+  SetCells(grid, 1, 4, 1);
   grid.set_row_stride(6);
   unsigned offset = 0;
-  for (const char* name : {"blue", "green", "red"}) {
-    auto& field = *grid.add_fields();
-    field.set_name(name);
-    field.set_offset(offset++);
-    field.set_type(PackedElementField::UINT8);
-  }
+  for (const char* name : {"blue", "green", "red"}) AddField(grid, name, PackedElementField::UINT8, offset++);
   grid.set_data(std::string("\x01\x02\x03.xx\x04\x05\x06.", 10));
   GridPicture picture;
   ASSERT_EQ(Read(grid, picture), "");
@@ -134,27 +120,17 @@ TEST(GridReader, ReportsInvalidGrids) {
               HasSubstr("no field \"height\""));
 }
 
-foxglove::VoxelGrid Voxels(unsigned columns, unsigned rows, const std::vector<std::uint8_t>& values) {
-  foxglove::VoxelGrid grid;
-  grid.set_column_count(columns);
-  grid.set_row_count(rows);
-  grid.set_cell_stride(1);
-  grid.set_row_stride(columns);
-  grid.set_slice_stride(columns * rows);
-  for (const auto set : {&foxglove::Vector3::set_x, &foxglove::Vector3::set_y, &foxglove::Vector3::set_z}) {
-    (grid.mutable_cell_size()->*set)(0.1);
-  }
-  auto& field = *grid.add_fields();
-  field.set_name("occupancy");
-  field.set_type(PackedElementField::UINT8);
+VoxelGrid Voxels(unsigned columns, unsigned rows, const std::vector<std::uint8_t>& values) {
+  VoxelGrid grid;
+  test::SetVoxels(grid, columns, rows, 1, 0.1);
+  AddField(grid, "occupancy", PackedElementField::UINT8);
   grid.set_data(values.data(), values.size());
   return grid;
 }
 
 TEST(VoxelReader, DrawsOnlyVisibleFaces) {
-  std::vector<std::uint8_t> block(27, 1);
   VoxelPicture picture;
-  ASSERT_EQ(ReadVoxels(Bulk<foxglove::VoxelGrid>(Voxels(3, 3, block)), {}, 0, picture), "");
+  ASSERT_EQ(ReadVoxels(Bulk<VoxelGrid>(Voxels(3, 3, std::vector<std::uint8_t>(27, 1))), {}, 0, picture), "");
   EXPECT_EQ(picture.occupied, 27U);
   EXPECT_EQ(picture.cubes.size(), 26U) << "the voxel in the middle is hidden";
   std::size_t faces = 0;
@@ -164,7 +140,7 @@ TEST(VoxelReader, DrawsOnlyVisibleFaces) {
 
 TEST(VoxelReader, TreatsVoxelsUpToTheThresholdAsEmpty) {
   VoxelPicture picture;
-  ASSERT_EQ(ReadVoxels(Bulk<foxglove::VoxelGrid>(Voxels(2, 2, {0, 5, 9, 10, 0, 0, 0, 20})), {}, 9, picture), "");
+  ASSERT_EQ(ReadVoxels(Bulk<VoxelGrid>(Voxels(2, 2, {0, 5, 9, 10, 0, 0, 0, 20})), {}, 9, picture), "");
   ASSERT_EQ(picture.cubes.size(), 2U);
   EXPECT_EQ(picture.cubes[0].cell, (std::array<std::uint32_t, 3>{1, 1, 0}));
   EXPECT_EQ(picture.cubes[0].value, 10);
@@ -174,12 +150,11 @@ TEST(VoxelReader, TreatsVoxelsUpToTheThresholdAsEmpty) {
 
 TEST(VoxelReader, ReportsInvalidVoxelGrids) {
   const auto fault = [](const auto& change) {
-    foxglove::VoxelGrid grid = Voxels(2, 2, std::vector<std::uint8_t>(8));
+    VoxelGrid grid = Voxels(2, 2, std::vector<std::uint8_t>(8));
     change(grid);
     VoxelPicture picture;
-    return ReadVoxels(Bulk<foxglove::VoxelGrid>(grid), {}, 0, picture);
+    return ReadVoxels(Bulk<VoxelGrid>(grid), {}, 0, picture);
   };
-  using foxglove::VoxelGrid;
   EXPECT_EQ(fault([](VoxelGrid&) {}), "");
   EXPECT_THAT(fault([](VoxelGrid& grid) { grid.set_slice_stride(0); }), HasSubstr("slices have no bytes"));
   EXPECT_THAT(fault([](VoxelGrid& grid) { grid.set_row_count(4'000'000'000); }), HasSubstr("more than"));

@@ -85,9 +85,7 @@ TEST(ImageReader, ConvertsYuv) {
 
 TEST(ImageReader, GivesTheSameColorsForEveryBayerPattern) {
   // A uniform area of red 200, green 100, blue 50.
-  const std::array<std::pair<const char*, std::string>, 4> patterns{
-      {{"bayer_rggb8", "rggb"}, {"bayer_bggr8", "bggr"}, {"bayer_gbrg8", "gbrg"}, {"bayer_grbg8", "grbg"}}};
-  for (const auto& [encoding, square] : patterns) {
+  for (const std::string square : {"rggb", "bggr", "gbrg", "grbg"}) {
     std::string data;
     for (unsigned y = 0; y < 6; ++y) {
       for (unsigned x = 0; x < 6; ++x) {
@@ -97,12 +95,12 @@ TEST(ImageReader, GivesTheSameColorsForEveryBayerPattern) {
     }
     std::string upper;  // The same with two bytes per pixel.
     for (const char value : data) upper += {'.', value};
-    const ImagePicture picture = Shown(Raw(encoding, 6, 6, 6, data));
-    const ImagePicture deep = Shown(Raw(std::string(encoding, 10) + "16", 6, 6, 12, upper));
+    const ImagePicture picture = Shown(Raw("bayer_" + square + "8", 6, 6, 6, data));
+    const ImagePicture deep = Shown(Raw("bayer_" + square + "16", 6, 6, 12, upper));
     for (std::size_t y = 0; y < 6; ++y) {
-      for (std::size_t x = 0; x < 6; ++x) ASSERT_EQ(Pixel(picture, x, y), (Bytes4{200, 100, 50, 255})) << encoding;
+      for (std::size_t x = 0; x < 6; ++x) ASSERT_EQ(Pixel(picture, x, y), (Bytes4{200, 100, 50, 255})) << square;
     }
-    EXPECT_EQ(deep.rgba, picture.rgba) << encoding;
+    EXPECT_EQ(deep.rgba, picture.rgba) << square;
   }
 }
 
@@ -171,15 +169,11 @@ TEST(ImageReader, TakesNeitherMemoryNorTimeForAnImageWithoutPixels) {
   }
 }
 
-CompressedImage File(const std::string& data, const std::string& format = "png") {
-  CompressedImage image;
-  image.set_format(format);
-  image.set_data(data);
-  return image;
-}
-
 std::string ReadFile(const std::string& data, ImagePicture& picture) {
-  return ReadImage(Bulk<CompressedImage>(File(data)), {}, picture);
+  CompressedImage image;
+  image.set_format("png");
+  image.set_data(data);
+  return ReadImage(Bulk<CompressedImage>(image), {}, picture);
 }
 
 std::string Png(png_uint_32 format, const void* pixels, png_uint_32 width, png_uint_32 height) {
@@ -303,17 +297,12 @@ TEST(ImageValue, IsTheMeasurementOrTheColor) {
 }
 
 TEST(ImageValue, IsReadFromTheMessage) {
-  foxglove::RawImage image;
-  image.set_encoding("16UC1");
-  image.set_width(2);
-  image.set_height(2);
-  image.set_step(6);  // 2 bytes of padding
-  image.set_data(std::string("\1\0\2\0xx\3\0\4\0xx", 12));
-  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 1), "4");
-  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 2, 1), "");
-  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 2), "");
+  RawImage image = Raw("16UC1", 2, 2, 6, std::string("\1\0\2\0xx\3\0\4\0xx", 12));  // 2 bytes of padding
+  EXPECT_EQ(MeasurementAt(Bulk<RawImage>(image), 1, 1), "4");
+  EXPECT_EQ(MeasurementAt(Bulk<RawImage>(image), 2, 1), "");
+  EXPECT_EQ(MeasurementAt(Bulk<RawImage>(image), 1, 2), "");
   image.set_encoding("mono16");
-  EXPECT_EQ(MeasurementAt(Bulk<foxglove::RawImage>(image), 1, 1), "4");
+  EXPECT_EQ(MeasurementAt(Bulk<RawImage>(image), 1, 1), "4");
 }
 
 }  // namespace

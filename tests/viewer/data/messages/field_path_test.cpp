@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "foxglove/JointStates.pb.h"
 #include "foxglove/LaserScan.pb.h"
 #include "foxglove/Log.pb.h"
 #include "hgros/codec/dynamic_schema.hpp"
@@ -106,16 +105,14 @@ TEST(MessageTree, ShowsFoldedAndUnfoldedRows) {
   const Dynamic scan(Scan());
   EXPECT_THAT(Lines(*scan.read, {}), testing::IsSupersetOf({"frame_id=laser", "pose=Pose", "ranges=3 elements",
                                                             "intensities=0 elements", "start_angle=-1"}));
-  TreeView view;
-  view.opened = {"pose", "pose.position", "ranges"};
+  const TreeView view{.opened = {"pose", "pose.position", "ranges"}};
   const auto lines = Lines(*scan.read, view);
   EXPECT_THAT(lines, testing::IsSupersetOf({">position=Vector3", ">>x=3", ">orientation=not set", ">[2]=4"}));
 }
 
 TEST(MessageTree, PathsOfItsNumbersCanBePlotted) {
   const Dynamic scan(Scan());
-  TreeView view;
-  view.opened = {"pose", "pose.position", "ranges", "timestamp"};
+  const TreeView view{.opened = {"pose", "pose.position", "ranges", "timestamp"}};
   int numbers = 0;
   for (const TreeRow& row : RowsOf(*scan.read, view)) {
     if (!row.number) continue;
@@ -129,10 +126,7 @@ TEST(MessageTree, LimitsRowsAndTexts) {
   LaserScan scan;
   for (int i = 0; i < 10'000; ++i) scan.add_ranges(i);
   scan.set_frame_id(std::string(10'000, 'x') + "\n");
-  TreeView view;
-  view.opened = {"ranges"};
-  view.most_elements = 10;
-  view.most_text = 5;
+  TreeView view{.opened = {"ranges"}, .most_elements = 10, .most_text = 5};
   const auto lines = Lines(scan, view);
   EXPECT_THAT(lines, Contains(">=9990 more"));
   EXPECT_THAT(lines, Contains("frame_id=xxxxx... (10001 bytes)"));

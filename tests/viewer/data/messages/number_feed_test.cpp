@@ -13,9 +13,8 @@ namespace {
 
 /// Bytes as they arrive from another process.
 RawMessage RawOf(std::string bytes, const std::shared_ptr<const MessageSchema>& schema) {
-  auto kept = std::make_shared<const std::string>(std::move(bytes));
-  const Bytes view(reinterpret_cast<const std::byte*>(kept->data()), kept->size());  // NOLINT: bytes are bytes
-  return {schema, {view, std::move(kept)}};
+  const auto kept = std::make_shared<const std::string>(std::move(bytes));
+  return {schema, {AsBytes(*kept), kept}};
 }
 template <class T>
 std::shared_ptr<const MessageSchema> SchemaFor() {

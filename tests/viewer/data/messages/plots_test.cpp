@@ -85,7 +85,7 @@ TEST(NumberSeries, SlowValuesAreNotSilence) {
 }
 
 TEST(NumberSeries, ColumnsMatchANaiveModel) {
-  std::mt19937 random(test::Seed());
+  std::mt19937 random(hgros::test::Seed());
   NumberSeries series(std::chrono::seconds(100));
   std::vector<NumberSeries::Value> all;
   std::int64_t now = 0;

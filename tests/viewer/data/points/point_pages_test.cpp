@@ -95,7 +95,7 @@ class Memory {
 };
 
 TEST(PageBook, StoresEveryPointToWithinOneStep) {
-  std::mt19937 random(test::Seed());
+  std::mt19937 random(hgros::test::Seed());
   std::normal_distribution<double> meters(0, 0.3);
   Memory memory;
   for (int message = 0; message < 20; ++message) {
@@ -108,7 +108,7 @@ TEST(PageBook, StoresEveryPointToWithinOneStep) {
 
 /// Points of a box.
 std::vector<Eigen::Vector3d> Spread(int count, const Eigen::Vector3d& corner, const Eigen::Vector3d& size) {
-  std::mt19937 random(test::Seed());
+  std::mt19937 random(hgros::test::Seed());
   std::uniform_real_distribution<double> part(0, 1);
   std::vector<Eigen::Vector3d> positions(static_cast<std::size_t>(count));
   for (auto& at : positions) {

@@ -1,14 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include "viewer/data/points/cloud_reader.hpp"
 #include "viewer/data/points/scan_reader.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -20,11 +19,7 @@ using ::testing::HasSubstr;
 class CloudOf {
  public:
   CloudOf& Field(const std::string& name, PackedElementField::NumericType type, std::uint32_t size_bytes) {
-    auto* const field = cloud_.add_fields();
-    field->set_name(name);
-    field->set_offset(cloud_.point_stride());
-    field->set_type(type);
-    cloud_.set_point_stride(cloud_.point_stride() + size_bytes);
+    test::AddPointField(cloud_, name, type, size_bytes);
     return *this;
   }
   template <class T>
@@ -71,27 +66,18 @@ TEST(CloudReader, OmitsPointsThatAreNotNumbers) {
   EXPECT_EQ(batch.left_out, 1U);
 }
 
-TEST(CloudReader, KeepsDistancesBetweenLargeDoubles) {
-  CloudOf cloud;
-  for (const char* name : {"x", "y", "z"}) cloud.Field(name, PackedElementField::FLOAT64, 8);
-  cloud.Value(500000.125).Value(5'400'000.25).Value(10.0);
-  cloud.Value(500000.126).Value(5'400'000.25).Value(10.0);
-  const PointBatch batch = cloud.Read();
-  ASSERT_EQ(batch.positions.size(), 2U);
-  EXPECT_NEAR(batch.positions[1].x() - batch.positions[0].x(), 0.001, 1e-6);
-  const Eigen::Vector3d first = batch.T_frame_points * batch.positions[0].cast<double>();
-  EXPECT_NEAR(first.y(), 5'400'000.25, 1e-6);
-}
-
 TEST(CloudReader, KeepsDistancesBetweenLargeDoublesAlsoIfTheFirstPointIsAtTheOrigin) {
-  CloudOf cloud;
-  for (const char* name : {"x", "y", "z"}) cloud.Field(name, PackedElementField::FLOAT64, 8);
-  cloud.Value(0.0).Value(0.0).Value(0.0);
-  for (const double step : {0.0, 0.001, 0.002}) cloud.Value(466'000.0).Value(5'420'000 + step).Value(0.0);
-  const PointBatch batch = cloud.Read();
-  ASSERT_EQ(batch.positions.size(), 3U) << "the first point is far from all others";
-  EXPECT_NEAR(batch.positions[2].y() - batch.positions[1].y(), 0.001, 1e-6);
-  EXPECT_NEAR((batch.T_frame_points * batch.positions[0].cast<double>()).y(), 5'420'000, 1e-6);
+  for (const bool first_at_origin : {false, true}) {
+    SCOPED_TRACE(first_at_origin);
+    CloudOf cloud;
+    for (const char* name : {"x", "y", "z"}) cloud.Field(name, PackedElementField::FLOAT64, 8);
+    if (first_at_origin) cloud.Value(0.0).Value(0.0).Value(0.0);
+    for (const double step : {0.0, 0.001, 0.002}) cloud.Value(466'000.125).Value(5'420'000.25 + step).Value(10.0);
+    const PointBatch batch = cloud.Read();
+    ASSERT_EQ(batch.positions.size(), 3U) << "the origin is far from all others";
+    EXPECT_NEAR(batch.positions[2].y() - batch.positions[1].y(), 0.001, 1e-6);
+    EXPECT_NEAR((batch.T_frame_points * batch.positions[0].cast<double>()).y(), 5'420'000.25, 1e-6);
+  }
 }
 
 TEST(CloudReader, ReadsPackedAndSeparateColors) {
@@ -172,7 +158,7 @@ TEST(ScanReader, OmitsRaysWithoutAReturn) {
   EXPECT_EQ(batch.left_out, 2U);
 }
 
-TEST(ScanReader, OmitsARayThatIsFarFromAllOthers) {
+TEST(ScanReader, UsesIntensitiesAndOmitsARayThatIsFarFromAllOthers) {
   foxglove::LaserScan scan = HalfTurn();
   scan.set_ranges(1, 1e30);
   for (const double intensity : {10.0, 20.0, 30.0}) scan.add_intensities(intensity);
@@ -181,12 +167,6 @@ TEST(ScanReader, OmitsARayThatIsFarFromAllOthers) {
   EXPECT_TRUE(batch.positions[1].isApprox(Eigen::Vector3f(0, 3, 0), 1e-6F));
   EXPECT_THAT(batch.scalars, ::testing::ElementsAre(10.0F, 30.0F));
   EXPECT_EQ(batch.left_out, 1U);
-}
-
-TEST(ScanReader, UsesIntensitiesIfThereAreAny) {
-  foxglove::LaserScan scan = HalfTurn();
-  for (const double intensity : {10.0, 20.0, 30.0}) scan.add_intensities(intensity);
-  EXPECT_THAT(Read(scan).scalars, ::testing::ElementsAre(10.0F, 20.0F, 30.0F));
 }
 
 TEST(ScanReader, RefusesADifferentNumberOfIntensitiesAndRanges) {

@@ -45,7 +45,7 @@ TEST(PolygonTriangles, CoverConvexAndConcavePolygonsInEitherDirection) {
 }
 
 TEST(PolygonTriangles, CoverRandomStars) {
-  std::mt19937 random(test::Seed());
+  std::mt19937 random(hgros::test::Seed());
   std::uniform_real_distribution<double> radius(0.1, 1);
   for (int round = 0; round < 200; ++round) {
     Corners corners;

@@ -7,28 +7,16 @@
 #include <limits>
 
 #include "viewer/data/cut_text.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace hgros::viewer {
 namespace {
 
 using foxglove::LinePrimitive;
 using foxglove::SceneEntity;
+using test::SetColor;
+using test::SetXyz;
 using ::testing::HasSubstr;
-
-void Put(foxglove::Color* color, double r, double g, double b, double a = 1) {
-  color->set_r(r);
-  color->set_g(g);
-  color->set_b(b);
-  color->set_a(a);
-}
-
-/// A foxglove::Vector3 or Point3.
-template <class Vector>
-void Put(Vector* point, double x, double y, double z = 0) {
-  point->set_x(x);
-  point->set_y(y);
-  point->set_z(z);
-}
 
 Eigen::Vector3d At(const SolidShape& shape, double x, double y, double z) {
   return shape.pose * Eigen::Vector4d(x, y, z, 1);
@@ -46,8 +34,8 @@ TEST(SceneReader, ReadsACubeAsAStretchedUnitCube) {
   cube.mutable_pose()->mutable_position()->set_x(10);
   cube.mutable_pose()->mutable_orientation()->set_z(std::sqrt(0.5));
   cube.mutable_pose()->mutable_orientation()->set_w(std::sqrt(0.5));
-  Put(cube.mutable_size(), 2, 4, 6);
-  Put(cube.mutable_color(), 1, 0.5, 0);
+  SetXyz(*cube.mutable_size(), 2, 4, 6);
+  SetColor(*cube.mutable_color(), 1, 0.5, 0);
   const SceneShapes shapes = Read(entity);
   ASSERT_EQ(shapes.cubes.size(), 1U);
   EXPECT_TRUE(At(shapes.cubes[0], 0.5, 0, 0).isApprox(Eigen::Vector3d(10, 1, 0))) << "x points to y";
@@ -65,7 +53,7 @@ TEST(SceneReader, ReadsAnArrowAsACylinderAndAConeAlongX) {
   const SceneShapes shapes = Read(entity);
   ASSERT_EQ(shapes.cylinders.size(), 2U);
   const SolidShape &shaft = shapes.cylinders[0], &head = shapes.cylinders[1];
-  EXPECT_TRUE(At(shaft, 0, 0, -0.5).isApprox(Eigen::Vector3d(0, 0, 0)) || At(shaft, 0, 0, -0.5).norm() < 1e-12);
+  EXPECT_LT(At(shaft, 0, 0, -0.5).norm(), 1e-12);
   EXPECT_TRUE(At(shaft, 0, 0, 0.5).isApprox(Eigen::Vector3d(3, 0, 0)));
   EXPECT_TRUE(At(head, 0, 0, 0.5).isApprox(Eigen::Vector3d(4, 0, 0))) << "its tip";
   EXPECT_EQ(head.bottom_scale, 1);
@@ -80,7 +68,7 @@ TEST(SceneReader, CutsLinesIntoPieces) {
     line.set_type(type);
     line.set_thickness(2);
     line.set_scale_invariant(true);
-    for (int i = 0; i < points; ++i) Put(line.add_points(), i, 0);
+    for (int i = 0; i < points; ++i) SetXyz(*line.add_points(), i, 0, 0);
     return Read(entity).lines;
   };
   EXPECT_EQ(pieces(LinePrimitive::LINE_STRIP, 4).size(), 3U);
@@ -98,8 +86,8 @@ TEST(SceneReader, ReadsPointsWithColorsAndIndices) {
   SceneEntity entity;
   auto& line = *entity.add_lines();
   for (int i = 0; i < 3; ++i) {
-    Put(line.add_points(), i, 0);
-    Put(line.add_colors(), i / 2.0, 0, 0);
+    SetXyz(*line.add_points(), i, 0, 0);
+    SetColor(*line.add_colors(), i / 2.0, 0, 0);
   }
   for (const unsigned index : {2U, 0U}) line.add_indices(index);
   const SceneShapes shapes = Read(entity);
@@ -112,7 +100,7 @@ TEST(SceneReader, ReadsPointsWithColorsAndIndices) {
 TEST(SceneReader, ReadsTrianglesWithIndices) {
   SceneEntity entity;
   auto& list = *entity.add_triangles();
-  for (const double x : {0.0, 1.0, 2.0, 3.0}) Put(list.add_points(), x, x * x);
+  for (const double x : {0.0, 1.0, 2.0, 3.0}) SetXyz(*list.add_points(), x, x * x, 0);
   for (const unsigned index : {0U, 1U, 2U, 1U, 2U, 3U}) list.add_indices(index);
   const SceneShapes shapes = Read(entity);
   ASSERT_EQ(shapes.triangles.size(), 6U);
@@ -153,9 +141,9 @@ TEST(SceneReader, ReportsAnInvalidPrimitiveAndDrawsTheRest) {
     return ReadScene(one, ignored);
   };
   EXPECT_THAT(fault([](SceneEntity& one) { one.add_triangles()->add_indices(7); }), HasSubstr("uses point 7 of 0"));
-  EXPECT_THAT(fault([](SceneEntity& one) { Put(one.add_lines()->add_colors(), 1, 1, 1); }),
+  EXPECT_THAT(fault([](SceneEntity& one) { SetColor(*one.add_lines()->add_colors(), 1, 1, 1); }),
               HasSubstr("1 colors for 0 points"));
-  EXPECT_THAT(fault([](SceneEntity& one) { Put(one.add_triangles()->add_points(), 1, 1, 1); }),
+  EXPECT_THAT(fault([](SceneEntity& one) { SetXyz(*one.add_triangles()->add_points(), 1, 1, 1); }),
               HasSubstr("not a multiple of 3"));
   EXPECT_THAT(fault([](SceneEntity& one) { one.add_arrows()->set_head_length(-1); }),
               HasSubstr("negative or invalid lengths"));
@@ -174,7 +162,7 @@ TEST(SceneReader, CutsLongTexts) {
 
 TEST(SceneReader, ClampsColors) {
   foxglove::Color color;
-  Put(&color, -1, 2, std::numeric_limits<double>::quiet_NaN(), 0.5);
+  SetColor(color, -1, 2, std::numeric_limits<double>::quiet_NaN(), 0.5);
   EXPECT_EQ(ReadColor(color), MakeRgba(0, 255, 0, 128));
 }
 

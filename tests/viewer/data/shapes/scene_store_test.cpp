@@ -7,6 +7,7 @@
 #include <random>
 
 #include "support/seed.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace hgros::viewer {
 namespace {
@@ -18,9 +19,7 @@ using ::testing::HasSubstr;
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 foxglove::SceneEntity& Add(SceneUpdate& update, const std::string& id, std::int64_t seconds, double x = 0) {
-  auto& entity = *update.add_entities();
-  entity.set_id(id);
-  entity.set_frame_id("map");
+  auto& entity = test::AddEntity(update, id);
   entity.mutable_timestamp()->set_seconds(seconds);
   entity.add_cubes()->mutable_pose()->mutable_position()->set_x(x);
   return entity;
@@ -43,78 +42,73 @@ SceneStore::FramePose Everywhere() {
   return [](const std::string&, std::optional<Time>) { return Eigen::Isometry3d::Identity(); };
 }
 
-TEST(SceneStore, ReplacesAWholeEntityById) {
-  SceneStore store;
+class SceneStoreTest : public ::testing::Test {
+ protected:
+  SceneStore store_;
+  SceneUpdate update_;
+};
+
+TEST_F(SceneStoreTest, ReplacesAWholeEntityById) {
   SceneUpdate first, second;
   Add(first, "a", 1).add_spheres();
   Add(second, "a", 2, 7);
-  EXPECT_EQ(store.Apply(first), "");
-  EXPECT_EQ(store.Apply(second), "");
-  const auto drawing = store.Draw(Everywhere(), Eigen::Vector3d::Zero());
+  EXPECT_EQ(store_.Apply(first), "");
+  EXPECT_EQ(store_.Apply(second), "");
+  const auto drawing = store_.Draw(Everywhere(), Eigen::Vector3d::Zero());
   EXPECT_TRUE(drawing.shapes.spheres.empty());
   ASSERT_EQ(drawing.shapes.cubes.size(), 1U);
   EXPECT_EQ(drawing.shapes.cubes[0].pose(0, 3), 7);
 }
 
-TEST(SceneStore, DeletesOnlyOlderEntities) {
-  SceneStore store;
-  SceneUpdate update;
-  for (const char* id : {"a", "b", "c"}) Add(update, id, 10);
-  Add(update, "late", 20);
-  EXPECT_EQ(store.Apply(update), "");
+TEST_F(SceneStoreTest, DeletesOnlyOlderEntities) {
+  for (const char* id : {"a", "b", "c"}) Add(update_, id, 10);
+  Add(update_, "late", 20);
+  EXPECT_EQ(store_.Apply(update_), "");
   SceneUpdate one;
   Delete(one, SceneEntityDeletion::MATCHING_ID, "a", 11);
   Delete(one, SceneEntityDeletion::MATCHING_ID, "b", 10);
   Delete(one, SceneEntityDeletion::MATCHING_ID, "nobody", 11);
-  EXPECT_EQ(store.Apply(one), "");
-  EXPECT_EQ(Ids(store), (std::vector<std::string>{"b", "c", "late"})) << "b is not older than the deletion";
+  EXPECT_EQ(store_.Apply(one), "");
+  EXPECT_EQ(Ids(store_), (std::vector<std::string>{"b", "c", "late"})) << "b is not older than the deletion";
   SceneUpdate all;
   Delete(all, SceneEntityDeletion::ALL, "", 15);
   Add(all, "new", 15);
-  EXPECT_EQ(store.Apply(all), "");
-  EXPECT_EQ(Ids(store), (std::vector<std::string>{"late", "new"})) << "deletions come before entities";
+  EXPECT_EQ(store_.Apply(all), "");
+  EXPECT_EQ(Ids(store_), (std::vector<std::string>{"late", "new"})) << "deletions come before entities";
   SceneUpdate whenever;
   Delete(whenever, SceneEntityDeletion::ALL, "", 0);
-  EXPECT_EQ(store.Apply(whenever), "");
-  EXPECT_TRUE(store.entities().empty());
+  EXPECT_EQ(store_.Apply(whenever), "");
+  EXPECT_TRUE(store_.entities().empty());
 }
 
-TEST(SceneStore, RemovesEntitiesAfterTheirLifetime) {
-  SceneStore store;
-  SceneUpdate update;
-  Add(update, "short", 10).mutable_lifetime()->set_seconds(1);
-  Add(update, "long", 10).mutable_lifetime()->set_seconds(5);
-  Add(update, "ever", 10);
-  EXPECT_EQ(store.Apply(update), "");
-  ASSERT_TRUE(store.NextEnd());
-  EXPECT_EQ(store.NextEnd()->nanoseconds, 11 * kSecond);
-  EXPECT_FALSE(store.Expire({11 * kSecond - 1}));
-  EXPECT_TRUE(store.Expire({11 * kSecond}));
-  EXPECT_EQ(Ids(store), (std::vector<std::string>{"ever", "long"}));
-  EXPECT_TRUE(store.Expire({100 * kSecond}));
-  EXPECT_FALSE(store.NextEnd());
+TEST_F(SceneStoreTest, RemovesEntitiesAfterTheirLifetime) {
+  Add(update_, "short", 10).mutable_lifetime()->set_seconds(1);
+  Add(update_, "long", 10).mutable_lifetime()->set_seconds(5);
+  Add(update_, "ever", 10);
+  EXPECT_EQ(store_.Apply(update_), "");
+  EXPECT_EQ(store_.NextEnd().value().nanoseconds, 11 * kSecond);
+  EXPECT_FALSE(store_.Expire({11 * kSecond - 1}));
+  EXPECT_TRUE(store_.Expire({11 * kSecond}));
+  EXPECT_EQ(Ids(store_), (std::vector<std::string>{"ever", "long"}));
+  EXPECT_TRUE(store_.Expire({100 * kSecond}));
+  EXPECT_FALSE(store_.NextEnd());
 }
 
-TEST(SceneStore, StartsTheLifetimeOfAnUnstampedEntityAtItsArrival) {
-  SceneStore store;
-  SceneUpdate update;
-  Add(update, "unstamped", 0).mutable_lifetime()->set_seconds(1);
-  Add(update, "nearly for ever", 10).mutable_lifetime()->set_seconds(std::numeric_limits<std::int64_t>::max());
-  EXPECT_EQ(store.Apply(update, Time{50 * kSecond}), "");
-  ASSERT_TRUE(store.NextEnd());
-  EXPECT_EQ(store.NextEnd()->nanoseconds, 51 * kSecond);
-  EXPECT_TRUE(store.Expire({51 * kSecond}));
-  EXPECT_EQ(Ids(store), (std::vector<std::string>{"nearly for ever"}));
+TEST_F(SceneStoreTest, StartsTheLifetimeOfAnUnstampedEntityAtItsArrival) {
+  Add(update_, "unstamped", 0).mutable_lifetime()->set_seconds(1);
+  Add(update_, "nearly for ever", 10).mutable_lifetime()->set_seconds(std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(store_.Apply(update_, Time{50 * kSecond}), "");
+  EXPECT_EQ(store_.NextEnd().value().nanoseconds, 51 * kSecond);
+  EXPECT_TRUE(store_.Expire({51 * kSecond}));
+  EXPECT_EQ(Ids(store_), (std::vector<std::string>{"nearly for ever"}));
 }
 
-TEST(SceneStore, MovesOnlyLockedEntitiesWithTheirFrame) {
-  SceneStore store;
-  SceneUpdate update;
-  Add(update, "locked", 10).set_frame_locked(true);
-  Add(update, "still", 10);
-  EXPECT_EQ(store.Apply(update), "");
+TEST_F(SceneStoreTest, MovesOnlyLockedEntitiesWithTheirFrame) {
+  Add(update_, "locked", 10).set_frame_locked(true);
+  Add(update_, "still", 10);
+  EXPECT_EQ(store_.Apply(update_), "");
   // The frame is at x = 10 at that time, and at x = 99 now.
-  const auto drawing = store.Draw(
+  const auto drawing = store_.Draw(
       [](const std::string&, std::optional<Time> at) -> std::optional<Eigen::Isometry3d> {
         return Eigen::Isometry3d(
             Eigen::Translation3d(at ? static_cast<double>(at->nanoseconds) / kSecond : 99.0, 0, 0));
@@ -125,13 +119,11 @@ TEST(SceneStore, MovesOnlyLockedEntitiesWithTheirFrame) {
   EXPECT_EQ(drawing.shapes.cubes[1].pose(0, 3), 10);
 }
 
-TEST(SceneStore, ReportsAnUnknownFrame) {
-  SceneStore store;
-  SceneUpdate update;
-  Add(update, "a", 1).set_frame_id("moon");
-  Add(update, "b", 1);
-  EXPECT_EQ(store.Apply(update), "");
-  const auto drawing = store.Draw(
+TEST_F(SceneStoreTest, ReportsAnUnknownFrame) {
+  Add(update_, "a", 1).set_frame_id("moon");
+  Add(update_, "b", 1);
+  EXPECT_EQ(store_.Apply(update_), "");
+  const auto drawing = store_.Draw(
       [](const std::string& frame, std::optional<Time>) -> std::optional<Eigen::Isometry3d> {
         if (frame == "moon") return std::nullopt;
         return Eigen::Isometry3d::Identity();
@@ -142,45 +134,37 @@ TEST(SceneStore, ReportsAnUnknownFrame) {
   EXPECT_EQ(drawing.unplaced_frame, "moon");
 }
 
-TEST(SceneStore, KeepsHugeCoordinatesExactRelativeToTheOrigin) {
-  SceneStore store;
-  SceneUpdate update;
-  Add(update, "a", 1, 1e7 + 0.001);
-  EXPECT_EQ(store.Apply(update), "");
-  const auto drawing = store.Draw(Everywhere(), {1e7, 0, 0});
+TEST_F(SceneStoreTest, KeepsHugeCoordinatesExactRelativeToTheOrigin) {
+  Add(update_, "a", 1, 1e7 + 0.001);
+  EXPECT_EQ(store_.Apply(update_), "");
+  const auto drawing = store_.Draw(Everywhere(), {1e7, 0, 0});
   EXPECT_NEAR(static_cast<float>(drawing.shapes.cubes.at(0).pose(0, 3)), 0.001F, 1e-6);
 }
 
-TEST(SceneStore, ReportsAnEntityThatIsShownIncompletely) {
-  SceneStore store;
-  SceneUpdate update;
-  Add(update, "bad", 1).add_models();
-  EXPECT_THAT(store.Apply(update), HasSubstr("Entity \"bad\": Model 0 names no file"));
-  EXPECT_EQ(store.entities().size(), 1U);
+TEST_F(SceneStoreTest, ReportsAnEntityThatIsShownIncompletely) {
+  Add(update_, "bad", 1).add_models();
+  EXPECT_THAT(store_.Apply(update_), HasSubstr("Entity \"bad\": Model 0 names no file"));
+  EXPECT_EQ(store_.entities().size(), 1U);
 }
 
-TEST(SceneStore, ReportsShapesTooFarAwayAndShowsTheRest) {
-  SceneStore store;
-  SceneUpdate update;
-  Add(update, "near", 1);
-  Add(update, "far", 1, 9e307);
-  EXPECT_THAT(store.Apply(update), HasSubstr("Entity \"far\": 1 of its shapes"));
-  EXPECT_EQ(store.Draw(Everywhere(), Eigen::Vector3d::Zero()).shapes.cubes.size(), 1U);
+TEST_F(SceneStoreTest, ReportsShapesTooFarAwayAndShowsTheRest) {
+  Add(update_, "near", 1);
+  Add(update_, "far", 1, 9e307);
+  EXPECT_THAT(store_.Apply(update_), HasSubstr("Entity \"far\": 1 of its shapes"));
+  EXPECT_EQ(store_.Draw(Everywhere(), Eigen::Vector3d::Zero()).shapes.cubes.size(), 1U);
   hgros::Shapes shapes;
   auto& far = *shapes.add_shapes();
   far.set_name("far");
   far.mutable_pose()->mutable_position()->set_x(-9e307);
   far.mutable_point();
-  EXPECT_THAT(store.Apply(shapes), HasSubstr("Shape \"far\": 1 of its shapes"));
+  EXPECT_THAT(store_.Apply(shapes), HasSubstr("Shape \"far\": 1 of its shapes"));
 }
 
-TEST(SceneStore, LimitsTheTotalNumberOfShapes) {
+TEST_F(SceneStoreTest, LimitsTheTotalNumberOfShapes) {
   constexpr int kMost = 1000;
   const auto lines = [](const std::string& id, int count) {
     SceneUpdate update;
-    auto& entity = *update.add_entities();
-    entity.set_id(id);
-    auto& line = *entity.add_lines();
+    auto& line = *test::AddEntity(update, id).add_lines();
     line.add_points();
     line.mutable_indices()->Resize(count + 1, 0);
     return update;
@@ -201,9 +185,8 @@ TEST(SceneStore, LimitsTheTotalNumberOfShapes) {
 }
 
 // Compared with a naive model: a list of all updates, read from the end.
-TEST(SceneStore, MatchesANaiveModel) {
-  std::mt19937 random(test::Seed());
-  SceneStore store;
+TEST_F(SceneStoreTest, MatchesANaiveModel) {
+  std::mt19937 random(hgros::test::Seed());
   std::map<std::string, std::int64_t> model;
   for (int i = 0; i < 2000; ++i) {
     SceneUpdate update;
@@ -220,9 +203,9 @@ TEST(SceneStore, MatchesANaiveModel) {
         break;
       default: Add(update, id, seconds); model[id] = seconds;
     }
-    ASSERT_EQ(store.Apply(update), "");
-    ASSERT_EQ(store.entities().size(), model.size());
-    for (const auto& [name, at] : model) ASSERT_EQ(store.entities().at(name).stamp.nanoseconds, at * kSecond);
+    ASSERT_EQ(store_.Apply(update), "");
+    ASSERT_EQ(store_.entities().size(), model.size());
+    for (const auto& [name, at] : model) ASSERT_EQ(store_.entities().at(name).stamp.nanoseconds, at * kSecond);
   }
 }
 

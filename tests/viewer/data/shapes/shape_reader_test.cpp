@@ -7,20 +7,15 @@
 #include <cmath>
 
 #include "viewer/data/shapes/scene_store.hpp"
+#include "viewer/e2e/message_parts.hpp"
 
 namespace hgros::viewer {
 namespace {
 
-void Corner(PolygonShape* polygon, double x, double y) {
-  auto& corner = *polygon->add_corners();
-  corner.set_x(x);
-  corner.set_y(y);
-}
-
 // An L, which is not convex; its area is 3.
 void FillL(PolygonShape* polygon) {
   constexpr std::array<std::array<int, 2>, 6> kCorners{{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}};
-  for (const auto& [x, y] : kCorners) Corner(polygon, x, y);
+  for (const auto& [x, y] : kCorners) test::SetXy(*polygon->add_corners(), x, y);
 }
 
 double AreaOf(const SceneShapes& shapes) {

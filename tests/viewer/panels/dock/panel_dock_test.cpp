@@ -1,7 +1,5 @@
 #include "viewer/panels/dock/panel_dock.hpp"
 
-#include <algorithm>
-
 #include "foxglove/Log.pb.h"
 #include "foxglove/PoseInFrame.pb.h"
 #include "viewer/panels/dock/panel_below.hpp"

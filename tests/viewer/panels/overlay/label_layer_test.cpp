@@ -16,11 +16,7 @@ class LabelLayer : public PanelTest {
 
   /// Number of triangles for `count` labels in the middle of the picture.
   int DrawLabelsOf(const Label& label, std::size_t count) {
-    const std::vector<Label> labels(count, label);
-    ImGui::NewFrame();
-    DrawLabels(labels, camera_, {1280, 800}, 1);
-    ImGui::Render();
-    return ImGui::GetDrawData()->TotalIdxCount / 3;
+    return Frame([&] { DrawLabels(std::vector<Label>(count, label), camera_, {1280, 800}, 1); });
   }
   static Label White(const std::string& text) {
     return {Eigen::Vector3d::Zero(), text, MakeRgba(255, 255, 255), 3, false};

@@ -1,12 +1,10 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "foxglove/PoseInFrame.pb.h"
-#include "foxglove/SceneUpdate.pb.h"
 #include "hgros/Shapes.pb.h"
 #include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
@@ -97,10 +95,7 @@ SceneUpdate EveryLine() {
   return update;
 }
 
-class EntityDisplayTest : public SceneTest {
- protected:
-  std::string FirstStatus(const Display& display) { return display.Status().front(); }
-};
+class EntityDisplayTest : public SceneTest {};
 
 TEST_F(EntityDisplayTest, DrawsEverySolidAndEveryKindOfLine) {
   Add("Ground");
@@ -159,11 +154,6 @@ TEST_F(EntityDisplayTest, DrawsThePapersShapes) {
   add(-3, 2).mutable_point()->set_width(12);
   auto& line = *add(-1, 2).mutable_line();
   for (int i = 0; i < 6; ++i) SetXyz(*line.add_points(), 0.3 * i, i % 2 == 0 ? 0 : 0.8, 0);
-  const auto add_corner = [](PolygonShape& polygon, double x, double y) {
-    auto& corner = *polygon.add_corners();
-    corner.set_x(x);
-    corner.set_y(y);
-  };
   const auto set_axes = [](OvalShape& oval, double a, double b) {
     oval.set_a(a);
     oval.set_b(b);
@@ -171,7 +161,8 @@ TEST_F(EntityDisplayTest, DrawsThePapersShapes) {
   auto& star = *add(2, 2).mutable_polygon();
   for (int i = 0; i < 10; ++i) {
     const double angle = std::numbers::pi * i / 5;
-    add_corner(star, (i % 2 == 0 ? 1.0 : 0.4) * std::cos(angle), (i % 2 == 0 ? 1.0 : 0.4) * std::sin(angle));
+    const double radius = i % 2 == 0 ? 1 : 0.4;
+    SetXy(*star.add_corners(), radius * std::cos(angle), radius * std::sin(angle));
   }
   set_axes(*add(-3, -1).mutable_oval(), 1, 0.5);
   SetXyz(*add(-0.5, -1).mutable_ellipsoid()->mutable_half_axes(), 0.9, 0.5, 0.5);
@@ -183,7 +174,7 @@ TEST_F(EntityDisplayTest, DrawsThePapersShapes) {
   post.set_height(1);
   auto& wedge = *add(1, -3.5).mutable_extrusion();
   for (const auto& [x, y] : {std::array{-0.8, -0.8}, {0.8, -0.8}, {0.8, 0.8}, {0.0, 0.0}}) {
-    add_corner(*wedge.mutable_polygon(), x, y);
+    SetXy(*wedge.mutable_polygon()->add_corners(), x, y);
   }
   wedge.set_height(1);
   Show("Shapes", "shapes", shapes);
@@ -229,7 +220,7 @@ TEST_F(EntityDisplayTest, LeavesNothingAfterDeletingTwoThousandOneByOne) {
     (void)Draw();
   }
   EXPECT_EQ(DifferentShare(empty, Draw()), 0);
-  EXPECT_THAT(FirstStatus(display), HasSubstr("No entity"));
+  EXPECT_THAT(display.Status().front(), HasSubstr("No entity"));
 }
 
 TEST_F(EntityDisplayTest, MovesOnlyEntitiesLockedToAFrame) {
@@ -279,10 +270,9 @@ TEST_F(EntityDisplayTest, ReportsAMissingTransformAndShowsEntitiesWithIt) {
   EXPECT_EQ(display.next_change_s(), kLongestWaitS);
   Update(kLongestWaitS);
   EXPECT_TRUE(display.HasFault());
-  EXPECT_THAT(FirstStatus(display), HasSubstr("arm"));
+  EXPECT_THAT(display.Status().front(), HasSubstr("arm"));
   EXPECT_EQ(DifferentShare(empty, Draw()), 0);
-  tree_.SetStatic("map", "arm", RigidTransform());
-  transforms_changed_ = true;
+  SetStatic("map", "arm");
   Update(3);
   EXPECT_FALSE(display.HasFault());
   EXPECT_GT(DifferentShare(empty, Draw()), 0.01);
@@ -302,12 +292,11 @@ TEST_F(EntityDisplayTest, EntitiesTooFarAwayDoNotHideOthers) {
   AddCubeAt(AddEntity(far, "as far"), 9e307, 9e307);
   AddCubeAt(AddEntity(far, "in a far frame"), 0, 0);
   far.mutable_entities(2)->set_frame_id("nowhere");
-  tree_.SetStatic("map", "nowhere", RigidTransform({1, 0, 0, 0}, {9e11, 0, 0}));
-  transforms_changed_ = true;
+  SetStatic("map", "nowhere", RigidTransform({1, 0, 0, 0}, {9e11, 0, 0}));
   Send("scene", far, 1);
   Update(1 + kLongestWaitS);
   EXPECT_TRUE(display.HasFault());
-  EXPECT_THAT(FirstStatus(display), HasSubstr("Entity \"far\": 1 of its shapes"));
+  EXPECT_THAT(display.Status().front(), HasSubstr("Entity \"far\": 1 of its shapes"));
   EXPECT_THAT(display.Status(), Contains(HasSubstr("The frame nowhere is farther away")));
   EXPECT_EQ(DifferentShare(before, Draw()), 0);
   Send("scene", EverySolid(), 4);
@@ -327,10 +316,9 @@ TEST_F(EntityDisplayTest, OneMalformedEntityLeavesTheBoundsOfTheOthers) {
 }
 
 TEST_F(EntityDisplayTest, OneMalformedChannelLeavesTheBoundsOfTheOthers) {
-  Add("Scene", "scene");
+  Show("Scene", "scene", EverySolid());
   Add("Scene", "bad");
   Add("Pose", "far");
-  Send("scene", EverySolid());
   const Eigen::AlignedBox3d before = scene_.Bounds();
   Publish("bad", Cube("bad", 1e9));
   foxglove::PoseInFrame far;
@@ -340,15 +328,13 @@ TEST_F(EntityDisplayTest, OneMalformedChannelLeavesTheBoundsOfTheOthers) {
 }
 
 TEST_F(EntityDisplayTest, ReturnsTextsAsLabelsWithPlaceAndColor) {
-  Display& display = Add("Scene", "scene");
   SceneUpdate update;
   auto& text = *AddEntity(update, "text").add_texts();
   Place(*text.mutable_pose(), 1, 2, 3);
   text.set_text("kitchen");
   text.set_font_size(0.5);
   SetColor(*text.mutable_color(), 1, 0, 0);
-  Send("scene", update);
-  const std::vector<Label> labels = display.Labels();
+  const std::vector<Label> labels = Show("Scene", "scene", update).Labels();
   ASSERT_EQ(labels.size(), 1U);
   EXPECT_EQ(labels[0].text, "kitchen");
   EXPECT_EQ(labels[0].at, Eigen::Vector3d(1, 2, 3));
@@ -368,12 +354,11 @@ TEST_F(EntityDisplayTest, DrawsAModelInsideTheMessage) {
 }
 
 TEST_F(EntityDisplayTest, ReportsAMalformedMessage) {
-  Display& display = Add("Scene", "scene");
   SceneUpdate update;
   AddCubeAt(AddEntity(update, "bad"), std::nan(""), 0);
-  Send("scene", update);
+  const Display& display = Show("Scene", "scene", update);
   EXPECT_TRUE(display.HasFault());
-  EXPECT_THAT(FirstStatus(display), HasSubstr("\"bad\""));
+  EXPECT_THAT(display.Status().front(), HasSubstr("\"bad\""));
   (void)Draw();
 }
 

@@ -1,9 +1,7 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "foxglove/Grid.pb.h"
 #include "viewer/e2e/message_parts.hpp"
@@ -26,11 +24,7 @@ foxglove::Grid Empty(PackedElementField::NumericType type, std::uint32_t bytes) 
   foxglove::Grid grid;
   grid.set_frame_id("map");
   SetXyz(*grid.mutable_pose()->mutable_position(), -0.5 * kColumns * kCell, -0.5 * kRows * kCell, 0);
-  grid.mutable_cell_size()->set_x(kCell);
-  grid.mutable_cell_size()->set_y(kCell);
-  grid.set_column_count(kColumns);
-  grid.set_cell_stride(bytes);
-  grid.set_row_stride(kColumns * bytes);
+  SetCells(grid, kColumns, bytes, kCell);
   AddField(grid, "value", type);
   return grid;
 }
@@ -133,9 +127,7 @@ TEST_F(GridDisplayTest, LooksTheSameMillionsOfMetersAway) {
 TEST_F(GridDisplayTest, ReadsTheGridAgainWhenThePaletteChanges) {
   Display& display = Show("Grid", "map", Rooms());
   const Pixels map = Draw();
-  const std::vector<Setting> settings = display.Settings();
-  ASSERT_EQ(SetFromText(settings.front(), "costmap"), "");
-  display.OnSetting("palette");
+  Set(display, "palette", "costmap");
   Update();
   EXPECT_GT(DifferentShare(map, Draw()), 0.1);
 }
@@ -148,10 +140,9 @@ TEST_F(GridDisplayTest, ReportsInvalidGrids) {
   Send("map", bad);
   EXPECT_TRUE(display.HasFault());
   EXPECT_THAT(display.Status().front(), HasSubstr("no size"));
-  tree_.SetStatic("map", "other", RigidTransform());
+  SetStatic("map", "other");
   foxglove::Grid lost = Rooms();
   lost.set_frame_id("nowhere");
-  transforms_changed_ = true;
   Send("map", lost);
   EXPECT_THAT(display.Status().front(), HasSubstr("nowhere"));
   Send("map", Rooms());

@@ -1,12 +1,10 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <imgui.h>
-#include <png.h>
-
-#include <cstring>
 
 #include "foxglove/CompressedImage.pb.h"
 #include "foxglove/RawImage.pb.h"
+#include "support/scratch_folder.hpp"
+#include "viewer/app/output/png_file.hpp"
 #include "viewer/panels/image_panel.hpp"
 #include "viewer/panels/widgets/imgui_renderer.hpp"
 #include "viewer/scene/scene_fixture.hpp"
@@ -110,8 +108,7 @@ TEST_F(ImageDisplayTest, DrawsDepths) {
   (void)DrawPanels({250, 150});
   ExpectDrawnAsKept("image_depth");
   EXPECT_THAT(display.Status(), Contains(HasSubstr("from 500 to 4250")));
-  ASSERT_TRUE(display.Legend());
-  EXPECT_EQ(display.Legend()->highest, 4250);
+  EXPECT_EQ(display.Legend().value().highest, 4250);
 }
 
 TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {
@@ -119,11 +116,8 @@ TEST_F(ImageDisplayTest, UsesTheColorMapOfItsSettings) {
   const std::vector<std::uint8_t> gray = OnGpu(display);
   ASSERT_FALSE(gray.empty());
   EXPECT_EQ(gray[0], gray[1]);
-  for (const Setting& setting : display.Settings()) {
-    if (setting.name == "auto range") (void)SetFromText(setting, "off");
-    if (setting.name == "highest") (void)SetFromText(setting, "500");
-  }
-  display.OnSetting("highest");
+  Set(display, "auto range", "off");
+  Set(display, "highest", "500");
   Update();
   EXPECT_THAT(display.Status(), Contains(HasSubstr("from 0 to 500")));
   EXPECT_EQ(OnGpu(display)[0], 255);
@@ -175,19 +169,12 @@ TEST_F(ImageDisplayTest, DrawsGrayImagesLikeColoredOnes) {
 }
 
 TEST_F(ImageDisplayTest, DrawsCompressedImages) {
-  const foxglove::RawImage raw = Colors();
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = kWidth;
-  png.height = kHeight;
-  png.format = PNG_FORMAT_RGB;
-  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(png);
-  std::string file(bytes, '\0');
-  ASSERT_NE(png_image_write_to_memory(&png, file.data(), &bytes, 0, raw.data().data(), 0, nullptr), 0);
-  file.resize(bytes);
+  const hgros::test::ScratchFolder folder;
+  const std::string colors = Colors().data();
+  ASSERT_EQ(WritePng(folder / "image.png", {kWidth, kHeight}, Pixels(colors.begin(), colors.end())), "");
   foxglove::CompressedImage image;
   image.set_format("png");
-  image.set_data(file);
+  image.set_data(folder.Read("image.png"));
   Display& display = Show("Compressed image", "camera", image);
   ASSERT_TRUE(display.Image());
   EXPECT_EQ(display.PixelText(10, 20), "red 30, green 80, blue 40");

@@ -48,9 +48,7 @@ TEST_F(NewestMessageTest, IsTakenOnceAndOlderOnesAreDroppedAndCounted) {
   EXPECT_FALSE(newest_.Take());
   for (const char* text : {"a", "b", "c"}) Send(text);
   EXPECT_EQ(woken_, 1);
-  const auto read = newest_.Take();
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->shown.text, "c");
+  EXPECT_EQ(newest_.Take().value().shown.text, "c");
   EXPECT_EQ(newest_.received(), 3U);
   EXPECT_EQ(newest_.dropped(), 2U);
   EXPECT_FALSE(newest_.Take());
@@ -60,10 +58,9 @@ TEST_F(NewestMessageTest, IsReadAgainWithNewOptions) {
   Send("a");
   EXPECT_EQ(newest_.Take()->shown.option, 1);
   newest_.SetOptions(2);
-  const auto read = newest_.Take();
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->shown.text, "a");
-  EXPECT_EQ(read->shown.option, 2);
+  const Shown shown = newest_.Take().value().shown;
+  EXPECT_EQ(shown.text, "a");
+  EXPECT_EQ(shown.option, 2);
   newest_.Clear();
   newest_.SetOptions(3);
   EXPECT_FALSE(newest_.Take());

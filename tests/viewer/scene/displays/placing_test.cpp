@@ -63,22 +63,6 @@ TEST_F(PlacementTest, CountsTheWaitOfEachLossAnew) {
   EXPECT_EQ(placement_.next_change_s(), 10 + kLongestWaitS);
 }
 
-TEST_F(PlacementTest, WaitsAgainAfterItHasForgotten) {
-  frame_.Ask("map");
-  Set(1);
-  EXPECT_FALSE(Follow("nowhere"));
-  now_s_ = kLongestWaitS;
-  EXPECT_FALSE(Follow("nowhere"));
-  EXPECT_NE(placement_.fault(), "");
-  placement_.Forget();
-  EXPECT_EQ(placement_.fault(), "");
-  EXPECT_EQ(placement_.waits_for(), "");
-  now_s_ = 10;
-  EXPECT_FALSE(Follow("nowhere"));
-  EXPECT_EQ(placement_.fault(), "");
-  EXPECT_EQ(placement_.next_change_s(), 10 + kLongestWaitS);
-}
-
 TEST_F(PlacementTest, IsFoundAgainInANewFixedFrame) {
   frame_.Ask("map");
   Set(1);

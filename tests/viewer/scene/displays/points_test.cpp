@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +8,6 @@
 #include <string>
 
 #include "foxglove/LaserScan.pb.h"
-#include "foxglove/PointCloud.pb.h"
 #include "viewer/e2e/message_parts.hpp"
 #include "viewer/scene/scene_fixture.hpp"
 
@@ -45,12 +43,10 @@ class PointsDisplayTest : public SceneTest {
  protected:
   /// Shows a cloud in a frame without a transform to the fixed one.
   Display& AddWithoutTransform() {
-    Display& display = Add("Point cloud", "cloud");
     tree_.SetStatic("map", "other", RigidTransform());
     PointCloud cloud = Spiral();
     cloud.set_frame_id("lidar");
-    Send("cloud", cloud);
-    return display;
+    return Show("Point cloud", "cloud", cloud);
   }
 };
 
@@ -117,9 +113,8 @@ TEST_F(PointsDisplayTest, LooksTheSameMillionsOfMetersAway) {
     camera_.Reset();
     const Pixels here = Draw();
     scene_.Remove(0);
-    Add("Point cloud", "cloud", {"keep", keep, "color", "flat", "size", "3"});
     const Eigen::Vector3d there(500'000, 5'400'000, 256);
-    Send("cloud", Spiral(there));
+    Show("Point cloud", "cloud", Spiral(there), {"keep", keep, "color", "flat", "size", "3"});
     camera_.Follow(RigidTransform(), RigidTransform({1, 0, 0, 0}, there), false);
     EXPECT_LT(DifferentShare(here, Draw()), 0.02);
     scene_.Remove(0);
@@ -129,9 +124,7 @@ TEST_F(PointsDisplayTest, LooksTheSameMillionsOfMetersAway) {
 TEST_F(PointsDisplayTest, KeepsTheLastMessagesOrSeconds) {
   Display& count = Add("Point cloud", "cloud", {"keep", "count", "count", "2"});
   Display& time = Add("Point cloud", "cloud", {"keep", "time", "seconds", "1"});
-  for (int i = 0; i < 3; ++i) {
-    Send("cloud", Spiral(Eigen::Vector3d::Zero(), 0, 100), 0.5 * i);
-  }
+  for (int i = 0; i < 3; ++i) Send("cloud", Spiral(Eigen::Vector3d::Zero(), 0, 100), 0.5 * i);
   EXPECT_EQ(count.points(), 200U);
   EXPECT_EQ(time.points(), 300U);
   EXPECT_EQ(time.next_change_s(), 1.0);
@@ -209,15 +202,13 @@ TEST_F(PointsDisplayTest, IsPlacedAgainWhenTheFixedFrameGetsANewRoot) {
   cloud.set_frame_id("odom");
   for (const char* keep : {"latest", "all"}) {
     SCOPED_TRACE(keep);
-    tree_.SetStatic("odom", keep, RigidTransform());
-    transforms_changed_ = true;
+    SetStatic("odom", keep);
     Display& display = Show("Point cloud", keep, cloud, {"keep", keep, "color", "flat", "size", "3"});
     EXPECT_EQ(display.points(), 4000U);
   }
   ASSERT_EQ(frame_.name(), "odom");
   const Pixels before = Draw();
-  tree_.SetStatic("map", "odom", RigidTransform({1, 0, 0, 0}, {0, 3, 0}));
-  transforms_changed_ = true;
+  SetStatic("map", "odom", RigidTransform({1, 0, 0, 0}, {0, 3, 0}));
   Update(1);
   ASSERT_EQ(frame_.name(), "map");
   for (const Scene::Entry& entry : scene_.entries()) {
@@ -237,13 +228,11 @@ TEST_F(PointsDisplayTest, ColorsShowHeightsOfOlderKeptPointsAlsoAfterANewRoot) {
   high.set_frame_id("odom");
   const Display& display = Show("Point cloud", "cloud", high, {"keep", "all", "color", "axis"});
   for (int i = 0; i < 4; ++i) Send("cloud", high);
-  tree_.SetStatic("map", "odom", RigidTransform());
-  transforms_changed_ = true;
+  SetStatic("map", "odom");
   Update(1);
   ASSERT_EQ(frame_.name(), "map");
   for (int i = 0; i < 20; ++i) Send("cloud", Spiral());
-  ASSERT_TRUE(display.Legend());
-  EXPECT_GT(display.Legend()->highest, 103);
+  EXPECT_GT(display.Legend().value().highest, 103);
 }
 
 TEST_F(PointsDisplayTest, ReportsKeptPointsThatHaveNoPlaceInTheNewFixedFrame) {
@@ -259,19 +248,17 @@ TEST_F(PointsDisplayTest, ReportsKeptPointsThatHaveNoPlaceInTheNewFixedFrame) {
   Send("cloud", cloud, 2);
   EXPECT_FALSE(display.Bounds().isEmpty());
   EXPECT_TRUE(display.HasFault()) << "older points are still hidden";
-  tree_.SetStatic("world", "map", RigidTransform());
-  transforms_changed_ = true;
+  SetStatic("world", "map");
   Update(3);
   EXPECT_FALSE(display.HasFault());
 }
 
 TEST_F(PointsDisplayTest, TheNewestMessageIsPlacedWhenItsTransformComesLate) {
-  Display& display = Add("Point cloud", "cloud");
   tree_.SetStatic("map", "other", RigidTransform());
   PointCloud cloud = Spiral();
   cloud.set_frame_id("lidar");
   cloud.mutable_timestamp()->set_seconds(1);
-  Send("cloud", cloud);
+  Display& display = Show("Point cloud", "cloud", cloud);
   Update(2);
   EXPECT_TRUE(display.HasFault());
   EXPECT_EQ(display.points(), 0U);
@@ -288,9 +275,7 @@ TEST_F(PointsDisplayTest, BoundsLeaveOutAMessageFarFromTheOthers) {
     for (const Eigen::Vector3d& there : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(500'000, 5'400'000, 256)}) {
       const Display& display = Add("Point cloud", "cloud", {"keep", keep});
       const Eigen::Vector3d far = there.x() > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(4e7, 0, 0);
-      for (const Eigen::Vector3d& center : {there, far, there, there}) {
-        Send("cloud", Spiral(center, 0, 100));
-      }
+      for (const Eigen::Vector3d& center : {there, far, there, there}) Send("cloud", Spiral(center, 0, 100));
       EXPECT_EQ(display.points(), 400U);
       const Eigen::AlignedBox3d bounds = display.Bounds();
       EXPECT_TRUE(bounds.contains(there + Eigen::Vector3d(3, 0.5, -1.9))) << bounds.min() << "\n" << bounds.max();
@@ -305,8 +290,7 @@ TEST_F(PointsDisplayTest, WaitsForTransformsBeforeItReportsThem) {
   EXPECT_EQ(display.points(), 0U);
   EXPECT_FALSE(display.HasFault()) << "it may still come";
   EXPECT_THAT(display.WaitsFor(), ::testing::HasSubstr("lidar"));
-  tree_.SetStatic("map", "lidar", RigidTransform());
-  transforms_changed_ = true;
+  SetStatic("map", "lidar");
   Update(1);
   EXPECT_EQ(display.points(), 4000U);
   EXPECT_FALSE(display.HasFault());
@@ -371,34 +355,26 @@ TEST_F(PointsDisplayTest, DrawsAScan) {
 }
 
 TEST_F(PointsDisplayTest, EachScanHasAColorOfItsOwn) {
-  const auto setting = [](Display& display, const std::string& name) {
-    const std::vector<Setting> all = display.Settings();
-    return TextOf(*std::ranges::find(all, name, &Setting::name));
-  };
   Display& front = Add("Laser scan", "front");
   Add("Ground");
   Display& rear = Add("Laser scan", "rear");
-  EXPECT_EQ(setting(front, "color"), "flat");
-  EXPECT_NE(setting(front, "flat"), setting(rear, "flat"));
+  EXPECT_EQ(SettingText(front, "color"), "flat");
+  EXPECT_NE(SettingText(front, "flat"), SettingText(rear, "flat"));
   EXPECT_FALSE(front.Legend());
-  const std::string color_of_rear = setting(rear, "flat");
+  const std::string color_of_rear = SettingText(rear, "flat");
   scene_.Remove(0);
-  EXPECT_NE(setting(Add("Laser scan", "left"), "flat"), color_of_rear) << "also after another was removed";
+  EXPECT_NE(SettingText(Add("Laser scan", "left"), "flat"), color_of_rear) << "also after another was removed";
 }
 
 TEST_F(PointsDisplayTest, CloudsWithColorsStartInTheirColorsUnlessToldOtherwise) {
-  const auto color = [](Display& display) {
-    const std::vector<Setting> all = display.Settings();
-    return TextOf(*std::ranges::find(all, "color", &Setting::name));
-  };
   Display& cloud = Add("Point cloud", "cloud");
-  EXPECT_EQ(color(cloud), "axis");
+  EXPECT_EQ(SettingText(cloud, "color"), "axis");
   Send("cloud", Spiral());
-  EXPECT_EQ(color(cloud), "rgb");
+  EXPECT_EQ(SettingText(cloud, "color"), "rgb");
   const std::pair<const char*, const char*> given[] = {{"color", "axis"},     {"axis", "x"},   {"map", "fire"},
                                                        {"auto range", "off"}, {"lowest", "0"}, {"highest", "3"}};
   for (const auto& [name, value] : given) {
-    EXPECT_EQ(color(Show("Point cloud", "told", Spiral(), {name, value})), "axis") << name;
+    EXPECT_EQ(SettingText(Show("Point cloud", "told", Spiral(), {name, value}), "color"), "axis") << name;
   }
 }
 
@@ -406,12 +382,11 @@ TEST_F(PointsDisplayTest, HasALegendWithTheLimitsOfItsColors) {
   Display& display = Add("Point cloud", "cloud", {"color", "value", "map", "fire"});
   EXPECT_FALSE(display.Legend()) << "there is no point yet";
   Send("cloud", Spiral());
-  const auto legend = display.Legend();
-  ASSERT_TRUE(legend);
-  EXPECT_EQ(legend->name, "intensity");
-  EXPECT_EQ(legend->map, ColorMap::kFire);
-  EXPECT_EQ(legend->lowest, 0);
-  EXPECT_EQ(legend->highest, 39);
+  const ColorLegend legend = display.Legend().value();
+  EXPECT_EQ(legend.name, "intensity");
+  EXPECT_EQ(legend.map, ColorMap::kFire);
+  EXPECT_EQ(legend.lowest, 0);
+  EXPECT_EQ(legend.highest, 39);
   SetStandingStill(display, "color", "axis");
   EXPECT_EQ(display.Legend()->name, "z in m");
   SetStandingStill(display, "color", "rgb");

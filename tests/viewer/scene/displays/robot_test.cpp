@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 
@@ -75,7 +74,6 @@ class RobotDisplayTest : public SceneTest {
 
   const hgros::test::ScratchFolder folder_;
   const std::string urdf_ = folder_ / "rover/urdf/rover.urdf";
-  const fs::path mesh_ = folder_ / "rover/meshes/mast.stl";
   std::int64_t stamps_ = 0;
 };
 
@@ -99,8 +97,7 @@ TEST_F(RobotDisplayTest, DoesNotReadTheFileAgainWhenAlphaChanges) {
   Add("Ground");
   Display& display = ShowRobot();
   fs::remove_all(folder_ / "rover");
-  EXPECT_EQ(SetFromText(display.Settings().back(), "0.4"), "");
-  display.OnSetting("alpha");
+  Set(display, "alpha", "0.4");
   Update();
   EXPECT_TRUE(scene_.pending());
   EXPECT_FALSE(display.HasFault()) << display.Status().front();
@@ -161,20 +158,13 @@ TEST_F(RobotDisplayTest, ShowsTheRobotWhenNothingIsPublished) {
   EXPECT_TRUE(display.Bounds().contains(Eigen::Vector3d(0, 0, 1)));
 }
 
-TEST_F(RobotDisplayTest, ReportsMissingMeshes) {
-  fs::remove(mesh_);
-  Display& display = ShowRobot();
-  EXPECT_TRUE(display.HasFault());
-  EXPECT_THAT(display.Status().front(), HasSubstr("mast.stl"));
-  EXPECT_THAT(display.Status(), Contains(HasSubstr("5 shapes")));
-}
-
-TEST_F(RobotDisplayTest, ReportsErrorsBeforePlaces) {
-  fs::remove(mesh_);
+TEST_F(RobotDisplayTest, ReportsMissingMeshesBeforePlaces) {
+  fs::remove(folder_ / "rover/meshes/mast.stl");
   const Display& display = Add("Robot model", "", {"file", urdf_});
   Update();
-  ASSERT_TRUE(display.HasFault());
-  EXPECT_THAT(display.Status().front(), HasSubstr("a mesh is missing"));
+  EXPECT_TRUE(display.HasFault());
+  EXPECT_THAT(display.Status().front(), HasSubstr("a mesh is missing: mast.stl."));
+  EXPECT_THAT(display.Status(), Contains(HasSubstr("5 shapes")));
   EXPECT_THAT(display.Status(), Contains("There are no transforms: base is placed at the fixed frame."));
 }
 
@@ -182,15 +172,12 @@ TEST_F(RobotDisplayTest, ReportsAnInvalidFile) {
   Display& display = Add("Robot model");
   Update();
   EXPECT_THAT(display.Status().front(), HasSubstr("Set the setting file to a URDF"));
-  EXPECT_EQ(SetFromText(display.Settings().front(), (folder_ / "nothing").string()), "");
-  display.OnSetting("file");
-  Update();
-  EXPECT_TRUE(display.HasFault());
-  EXPECT_THAT(display.Status().front(), HasSubstr("is not a file that can be read"));
-  EXPECT_EQ(SetFromText(display.Settings().front(), folder_.path().string()), "");
-  display.OnSetting("file");
-  Update();
-  EXPECT_THAT(display.Status().front(), HasSubstr("is not a file that can be read")) << "a folder";
+  for (const fs::path& wrong : {folder_ / "nothing", folder_.path()}) {
+    Set(display, "file", wrong);
+    Update();
+    EXPECT_TRUE(display.HasFault());
+    EXPECT_THAT(display.Status().front(), HasSubstr("is not a file that can be read")) << wrong;
+  }
 }
 
 TEST_F(RobotDisplayTest, LooksTheSameMillionsOfMetersAway) {

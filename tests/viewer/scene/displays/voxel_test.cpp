@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "foxglove/VoxelGrid.pb.h"
 #include "viewer/e2e/message_parts.hpp"
@@ -23,12 +21,7 @@ VoxelGrid Ball(double radius = 8) {
   VoxelGrid grid;
   grid.set_frame_id("map");
   SetXyz(*grid.mutable_pose()->mutable_position(), -0.5 * kCells * kEdge, -0.5 * kCells * kEdge, 0);
-  grid.set_column_count(kCells);
-  grid.set_row_count(kCells);
-  SetXyz(*grid.mutable_cell_size(), kEdge, kEdge, kEdge);
-  grid.set_cell_stride(4);
-  grid.set_row_stride(4 * kCells);
-  grid.set_slice_stride(4 * kCells * kCells);
+  SetVoxels(grid, kCells, kCells, 4, kEdge);
   AddField(grid, "occupancy", foxglove::PackedElementField::FLOAT32);
   for (int z = 0; z < kCells; ++z) {
     for (int y = 0; y < kCells; ++y) {
@@ -66,10 +59,8 @@ TEST_F(VoxelDisplayTest, DrawsTheFacesTowardTheEyeFromAnywhere) {
   Show("Voxels", "voxels", Ball(), {"color", "flat", "flat", "#ffffff"});
   for (int step = 0; step < 8; ++step) {
     camera_.Orbit(0.8, step % 2 == 0 ? 0.4 : -0.4);
-    const Pixels pixels = Draw();
     // The ball is in the middle of the picture, without a hole to the background.
-    const std::size_t middle = 3 * (120 * 320 + 160);
-    EXPECT_GT(pixels[middle], 60) << step;
+    EXPECT_GT(Draw()[3 * (120 * 320 + 160)], 60) << step;
   }
 }
 
@@ -107,12 +98,11 @@ TEST_F(VoxelDisplayTest, AppliesSettingsWhilePaused) {
 
 TEST_F(VoxelDisplayTest, ReturnsTheValueOfTheVoxelBehindAFace) {
   Display& display = Show("Voxels", "voxels", Ball());
-  const double plate_top = kEdge;
   const double x = (2.5 - 0.5 * kCells) * kEdge;
   for (const double off : {-1e-4, 0.0, 1e-4}) {
-    EXPECT_EQ(display.ValueAt({x, x, plate_top + off}, 0.05), "occupancy = 3") << off;
+    EXPECT_EQ(display.ValueAt({x, x, kEdge + off}, 0.05), "occupancy = 3") << off;
   }
-  EXPECT_EQ(display.ValueAt({x, x, plate_top + 0.5 * kEdge}, 0.05), "");
+  EXPECT_EQ(display.ValueAt({x, x, 1.5 * kEdge}, 0.05), "");
   EXPECT_EQ(display.ValueAt({100, 0, 0}, 0.05), "");
 }
 

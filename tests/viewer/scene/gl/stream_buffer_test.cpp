@@ -1,7 +1,5 @@
 #include "viewer/scene/gl/stream_buffer.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

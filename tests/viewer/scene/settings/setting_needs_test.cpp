@@ -1,7 +1,6 @@
 #include "viewer/scene/settings/setting_needs.hpp"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <utility>
