@@ -37,6 +37,23 @@ TEST_F(LocalDiscovery, TwoProgramsWithOneChannelFindEachOther) {
   EXPECT_TRUE(talker->PublisherEndpoints().empty()) << "no socket was opened to the network";
 }
 
+TEST_F(LocalDiscovery, MessagesGoBothWaysOnOneChannelWithoutEcho) {
+  Robot one(""), two("");
+  Notes at_one, at_two;
+  const auto first = one->FromAny<Note>("notes", kSerial, std::ref(at_one));
+  const auto second = two->FromAny<Note>("notes", kSerial, std::ref(at_two));
+  (void)one->Advertise<Note>("notes");
+  (void)two->Advertise<Note>("notes");
+  ASSERT_TRUE(one->WaitForSubscribers("notes", 2, kPatience));
+  ASSERT_TRUE(two->WaitForSubscribers("notes", 2, kPatience));
+  one->ToAny("notes", Note("from one"));
+  ASSERT_TRUE(Await([&] { return at_one.size() == 1 && at_two.size() == 1; }));
+  two->ToAny("notes", Note("from two"));
+  ASSERT_TRUE(Await([&] { return at_one.size() == 2 && at_two.size() == 2; }));
+  EXPECT_EQ(at_one.texts(), (std::vector<std::string>{"from one", "from two"}));
+  EXPECT_EQ(at_two.texts(), at_one.texts());
+}
+
 TEST_F(LocalDiscovery, SessionsThatExchangeNothingDoNotPairButAreKnown) {
   Robot one("", "one"), two("", "two");
   Notes at_one, at_two;
@@ -192,6 +209,36 @@ TEST_F(LocalDiscovery, TypeMismatchIsLoggedOnBothSides) {
   (void)talker->Advertise<foxglove::Log>("notes");
   EXPECT_TRUE(Await(
       [&] { return talker.Said("Use one type in both programs") && listener.Said("Use one type in both programs"); }));
+}
+
+TEST_F(LocalDiscovery, LoanedBlockIsReadInPlace) {
+  Robot talker("");
+  const auto publish = talker->Advertise<Block>("blocks");
+  auto on_heap = talker->Loan<Block>("blocks", 100);
+  ASSERT_EQ(on_heap->size(), 100U);
+  EXPECT_EQ(publish(std::move(on_heap)), PublishStatus::kOk) << "without a subscriber";
+  Robot listener("");
+  std::mutex mutex;
+  std::shared_ptr<const Block> received;
+  const auto subscription = listener->FromAny<Block>("blocks", kSerial, [&](const std::shared_ptr<const Block>& block) {
+    const std::scoped_lock lock(mutex);
+    received = block;
+  });
+  ASSERT_TRUE(talker->WaitForSubscribers("blocks", 1, kPatience));
+  auto loan = talker->Loan<Block>("blocks", 1 << 20);
+  ASSERT_EQ(loan->size(), 1U << 20);
+  std::byte* const written = loan->writable().data();
+  written[0] = std::byte{1};
+  ASSERT_EQ(publish(std::move(loan)), PublishStatus::kOk);
+  ASSERT_TRUE(Await([&] {
+    const std::scoped_lock lock(mutex);
+    return received != nullptr;
+  }));
+  EXPECT_EQ(received->bytes()[0], std::byte{1});
+  // Writes through the publisher's mapping of the same memory. Only a test may do this.
+  written[0] = std::byte{2};
+  EXPECT_EQ(received->bytes()[0], std::byte{2});
+  received.reset();
 }
 
 }  // namespace

@@ -75,6 +75,8 @@ TEST(HgrosEcho, NamesTheNearestFieldAndChannelAndSaysThatNoMessageCameInTime) {
   publish(Line("a"));
   EXPECT_THAT(robot.Run({"echo", "status", "--field", "mesage"}),
               Ends(2, HasSubstr("foxglove.Log has no field \"mesage\". Did you mean message?")));
+  EXPECT_THAT(robot.Run({"echo", "statsu", "--field", "a[99999999999999999999]"}),
+              Ends(2, HasSubstr("The index in \"a[99999999999999999999]\" is too large.")));
   EXPECT_THAT(robot.Run({"echo", "statsu", "--timeout", "0.1"}),
               Ends(3, HasSubstr("Nobody publishes on statsu yet. Did you mean status?")));
   EXPECT_THAT(robot.Run({"echo", "silent", "--timeout", "0.3"}),

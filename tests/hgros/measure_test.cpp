@@ -61,7 +61,7 @@ TEST(HgrosHz, CountsWhatIsPublishedWithoutReceivingIt) {
 
 TEST(HgrosHz, ShowsIntervalsAndAHistogramOfWhatArrives) {
   TickingRobot ticking;
-  const auto drawn = std::async(std::launch::async, [&ticking] {
+  auto drawn = std::async(std::launch::async, [&ticking] {
     ticking.robot.RunUntil(Patiently({"hz", "tick", "--receive", "-n", "1"}),
                            Prints(AllOf(HasSubstr("HISTOGRAM"), HasSubstr("#"))));
   });
@@ -78,6 +78,7 @@ TEST(HgrosHz, ShowsIntervalsAndAHistogramOfWhatArrives) {
     counted += NumberIn(json[i], "count");
   }
   EXPECT_GE(counted, NumberIn(json[0], "received") - 1);
+  drawn.get();
 }
 
 TEST(HgrosHz, EndsOnCtrlCAtItsTimeoutOrWhenNobodyPublishes) {

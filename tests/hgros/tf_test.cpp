@@ -51,12 +51,12 @@ class HgrosTf : public testing::Test {
 };
 
 TEST_F(HgrosTf, ShowsAndDrawsTheTreeWithRatesAgesAndPublishers) {
-  const auto drawn = std::async(std::launch::async, [&] {
+  auto drawn = std::async(std::launch::async, [&] {
     const auto svg = [&](const CommandEnd& /*end*/) { return folder_.Read("frames.svg"); };
     robot_->RunUntil({"tf", "svg", "-o", folder_ / "frames.svg", "--timeout", "1"},
                      AllOf(Ends(0), ResultOf(svg, AllOf(testing::StartsWith("<svg "), HasSubstr(">laser<")))));
   });
-  const auto listed = std::async(std::launch::async, [&] {
+  auto listed = std::async(std::launch::async, [&] {
     const std::string laser =
         R"({"frame":"laser","parent":"base","kind":"static","rate_hz":null,"age_ns":null,"publisher":"robot"})";
     robot_->RunUntil({"list", "frames", "--json"}, Prints(ResultOf(LinesOf, ElementsAre(_, _, laser, _, _))));
@@ -67,8 +67,8 @@ TEST_F(HgrosTf, ShowsAndDrawsTheTreeWithRatesAgesAndPublishers) {
       Prints(0,
              ResultOf(LinesOf, ElementsAre(_, "map", MatchesRegex("  base +moving +[0-9.]+ Hz +[0-9.]+ [mu]?s +robot"),
                                            MatchesRegex("    laser +static +robot"), "world", _))));
-  drawn.wait();
-  listed.wait();
+  drawn.get();
+  listed.get();
 
   const auto clock = SimulatedClock::Paused(Time{5'000'000'000});  // Ages are time of the clock that a robot publishes.
   const ClockPublisher publishes(robot_->session(), clock);
@@ -83,9 +83,9 @@ TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
   const auto fails = [this](const std::vector<std::string>& words, const testing::Matcher<const std::string&>& why) {
     return std::async(std::launch::async, [=, this] { robot_->RunUntil(words, Ends(1, why)); });
   };
-  const auto old = fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, HasSubstr("which is too old"));
-  const auto apart = fails({"tf", "echo", "map", "dock"}, HasSubstr("No edges lead from \"dock\" to \"map\""));
-  const auto misspelled =
+  auto old = fails({"tf", "echo", "map", "base", "--at", "2020-01-01T00:00:00Z"}, HasSubstr("which is too old"));
+  auto apart = fails({"tf", "echo", "map", "dock"}, HasSubstr("No edges lead from \"dock\" to \"map\""));
+  auto misspelled =
       fails({"tf", "echo", "map", "lasr"}, "hgros: No edge has a frame \"lasr\"; the nearest name is \"laser\".\n");
   EXPECT_THAT(
       Run(Patiently({"tf", "echo", "map", "laser", "--once"})),
@@ -100,6 +100,7 @@ TEST_F(HgrosTf, EchoesThePoseOfOneFrameInAnotherOrSaysWhyThereIsNone) {
 
   EXPECT_THAT(Run({"tf", "echo", "map", "base", "--at", "now", "--timeout", "40"}), Prints(0, HasSubstr("yaw: 90.00")));
   EXPECT_EQ(Run({"tf", "echo", "map", "base", "--at", "noon"}).status, 2);
+  for (auto* failed : {&old, &apart, &misspelled}) failed->get();
 
   for (const char* command : {"tf tree", "tf echo"}) {
     for (std::vector<std::string> example : ExamplesOf(command)) {

@@ -130,6 +130,19 @@ TEST_P(RawPublishing, LatchedMessagesAlsoOfAnotherPlaceReachLateSubscribers) {
   }
 }
 
+TEST_P(RawPublishing, LosslessSubscribersGetEverythingInOrder) {
+  Kept<Vector> kept;
+  const auto subscription =
+      observer->session->FromAny<Vector>("v", kSerial, std::ref(kept), {.queue = Queue::KeepAll(4)});
+  const RawPublisher publish = robot->session->AdvertiseRaw("v", VectorSchema());
+  ASSERT_TRUE(robot->session->WaitForSubscribers("v", 1, kPatience));
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(publish.Wait(VectorBytes(i), std::chrono::steady_clock::now() + kPatience), PublishStatus::kOk);
+  }
+  ASSERT_TRUE(kept.AwaitSize(200));
+  for (std::size_t i = 0; i < 200; ++i) ASSERT_EQ(kept.at(i)->x(), static_cast<double>(i));
+}
+
 TEST_P(RawPublishing, LoanedBlocksAreNotCopied) {
   if (GetParam() != "sharedmemory") GTEST_SKIP() << "only for shared memory";
   Kept<RawMessage> kept;

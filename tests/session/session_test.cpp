@@ -4,6 +4,7 @@
 
 #include <array>
 #include <fstream>
+#include <new>
 
 #include <foxglove/Log.pb.h>
 #include <foxglove/Vector3.pb.h>
@@ -26,6 +27,30 @@ std::vector<std::string> Numbered(int from, int to) {
   std::vector<std::string> texts;
   for (int i = from; i < to; ++i) texts.push_back(std::to_string(i));
   return texts;
+}
+
+// A note that there is no memory to copy.
+struct HeavyNote : Note {
+  HeavyNote() = default;
+  HeavyNote(const HeavyNote& /*other*/) : Note() { throw std::bad_alloc(); }
+  HeavyNote& operator=(const HeavyNote&) = delete;
+  ~HeavyNote() = default;
+};
+
+TEST(Session, MovesMessagesAndRefusesThoseThatThereIsNoMemoryToCopy) {
+  const Bus bus;
+  Robot robot(bus.Publishing("a"));
+  const HeavyNote note;
+  EXPECT_EQ(robot->ToAny("notes", note), PublishStatus::kNoMemory);
+  EXPECT_EQ(robot->Advertise<HeavyNote>("notes")(note), PublishStatus::kNoMemory);
+  Note moved("a text that is too long to be inside the string");
+  const char* const text = moved.text.data();
+  const char* seen = nullptr;
+  const auto subscription = robot->FromAny<Note>(
+      "moved", kSerial, [&](const Note& got) { seen = got.text.data(); }, Inline());
+  EXPECT_EQ(robot->ToAny("moved", std::move(moved)), PublishStatus::kOk);
+  EXPECT_EQ(seen, text) << "a copy was delivered";
+  EXPECT_EQ(robot.Count("There is no memory to copy a message that is published on channel \"notes\""), 1U);
 }
 
 TEST_F(TwoSessions, SendsMessagesToAnotherSessionInOrder) {
@@ -359,6 +384,34 @@ TEST(Session, LatchedMessageReachesALateNodeAfterALostConnection) {
   ASSERT_TRUE(Await([&] { return first.size() == 2 && second.size() == 2; }));
   EXPECT_EQ(first.texts(), Numbered(1, 3));
   EXPECT_EQ(second.texts(), Numbered(1, 3));
+}
+
+TEST_F(TwoSessions, LosslessChannelLosesNothingWithASlowRemoteSubscriber) {
+  Notes notes;
+  std::atomic<int> slow{20};
+  const auto subscription = listener->FromAny<Note>("notes", kSerial,
+                                                    [&](const Note& note) {
+                                                      if (slow-- > 0) Linger(std::chrono::milliseconds(2));
+                                                      notes(note);
+                                                    },
+                                                    {{}, Queue::KeepAll(4), Executor::Dedicated()});
+  const auto publish = talker->Advertise<Note>("notes");
+  ASSERT_TRUE(talker->WaitForSubscribers("notes", 1, kPatience));
+  int full = 0;
+  constexpr int kCount = 500;
+  for (int i = 0; i < kCount; ++i) {
+    auto note = std::make_unique<Note>(std::to_string(i));
+    PublishStatus status = publish(std::move(note));
+    if (status == PublishStatus::kFull) {
+      ++full;
+      ASSERT_NE(note, nullptr);
+      status = publish.Wait(std::move(note), std::chrono::steady_clock::now() + kPatience);
+    }
+    ASSERT_EQ(status, PublishStatus::kOk);
+  }
+  ASSERT_TRUE(Await([&] { return notes.size() == kCount; }));
+  EXPECT_EQ(notes.texts(), Numbered(0, kCount));
+  EXPECT_GT(full, 0);
 }
 
 TEST_F(TwoSessions, LogsATypeMismatchOnBothSidesAndPublishesAnEvent) {

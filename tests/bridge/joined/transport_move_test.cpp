@@ -67,6 +67,13 @@ TEST(MoveOfTransport, WaitsForTheOldTransportAndThenDropsItsRepeats) {
   EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
 }
 
+TEST(MoveOfTransport, ContinuesWhenTheOldTransportHasEnded) {
+  TransportMove move({.from = kZmq, .to = kShm});
+  EXPECT_TRUE(move.Arrive(Numbered(3), kShm).empty());
+  EXPECT_EQ(move.Finish().size(), 1U);
+  EXPECT_EQ(move.Arrive(Numbered(4), kShm).size(), 1U);
+}
+
 /// A publisher that opens its shared memory only on request.
 class LateTalker final : public HandMadeSession {
  public:

@@ -153,6 +153,7 @@ TEST(HgrosMove, WaitsForALosslessSubscriberThatStandsStill) {
       "  a: {components: [passing]}\n"
       "  b: {}\n");
   const pid_t takes = robot.PidOf("takes");
+  ASSERT_GT(takes, 0);
   for (const std::string to : {"b", "a"}) EXPECT_EQ(robot.Move(to).status, 0) << "Both places are connected then.";
   EXPECT_TRUE(robot.Flows());
   ASSERT_EQ(kill(takes, SIGSTOP), 0);
@@ -176,7 +177,9 @@ TEST(HgrosMove, ASubscriberWhoseProcessHasEndedHoldsNothingUp) {
   text.replace(text.find("  does:"), 0, "  other: {type: moving/Judging, remap: {ask: ask_other}}\n");
   text.replace(text.find("[witness]"), 9, "[witness, other]");
   MovingRobot robot(text);
-  ASSERT_EQ(kill(robot.PidOf("beside"), SIGKILL), 0);
+  const pid_t beside = robot.PidOf("beside");
+  ASSERT_GT(beside, 0);
+  ASSERT_EQ(kill(beside, SIGKILL), 0);
   ASSERT_TRUE(robot.Prints("it was ended by SIGKILL")) << robot.out();
   EXPECT_THAT(robot.Move("b"), Ends(0));
   EXPECT_TRUE(robot.Flows()) << robot.out();
