@@ -9,6 +9,11 @@ endif()
 check_linker_flag(CXX -fuse-ld=${HGROS_LINKER} HGROS_LINKS_FAST)
 # Programs of another processor are emulated, which takes several times as long.
 set(HGROS_EMULATED ${CMAKE_CROSSCOMPILING})
+# Compiling a test takes longer than running it, and clang without optimization needs half to two thirds of the time of g++.
+# So clang compiles the tests if it is installed, and g++ what they test. With sanitizers, one compiler compiles all.
+if(NOT HGROS_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
+  find_program(HGROS_TEST_COMPILER clang++)
+endif()
 # How long a test may take, in seconds: at least three times as long as anything that it waits for (kPatience in
 # tests/support/await.hpp). Those of suites, below, take this too.
 set(HGROS_TEST_SECONDS 180)
@@ -109,15 +114,6 @@ function(hgros_test)
   cmake_parse_arguments(ARG "" "NAME;LABEL" "SOURCES;LINK;PATHS;${HGROS_TEST_LISTS};PROPERTIES" ${ARGN})
   add_executable(${ARG_NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/support/alone.cpp)
   target_include_directories(${ARG_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/include ${PROJECT_SOURCE_DIR}/tests)
-  # Compiling a test takes longer than running it. Without sanitizers -Og compiles as fast as -O0 and writes half as much,
-  # but finds variables uninitialized that are not; a section for each function is for libraries; the memory lets GCC 12
-  # collect its garbage seldom. ThreadSanitizer has little to gain.
-  if(NOT HGROS_SANITIZE)
-    target_compile_options(${ARG_NAME} PRIVATE -Og -Wno-maybe-uninitialized -fno-function-sections -fno-data-sections
-      $<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=524288>)
-  elseif(NOT HGROS_SANITIZE STREQUAL "thread")
-    target_compile_options(${ARG_NAME} PRIVATE -O0)
-  endif()
   if(HGROS_BUILD_FUZZ)
     target_compile_options(${ARG_NAME} PRIVATE -fno-sanitize=fuzzer-no-link)  # Only the library's coverage guides it.
   endif()

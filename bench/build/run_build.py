@@ -17,7 +17,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PARTS = {  # metric: (preset, targets)
-    "demo": ("release", ["slam2d"]),  # With hgros, which checks its components; at an older commit, the program.
+    "demo": ("dev", ["slam2d", "hgros_command"]),
     "test_build": ("dev", []),
 }
 LOG = "bench_build.log"

@@ -65,7 +65,7 @@ TEST(HgrosCall, CallsAServiceWhoseTypesAreInAFile) {
   RobotForCommands robot;
   const Service service = robot.session().ServeRaw("grip", GripSchema(), GripSchema(),
                                                    [](const RawMessage& request) { return request.data; });
-  const ProtoFolder folder;
+  const ProtoFolder folder{};
   const std::string file = folder.Write(
       "grip.proto", "syntax = \"proto3\"; package robot; message Grip { double width = 1; string name = 2; }");
   EXPECT_THAT(robot.Run(Patiently({"call", "grip", "{width: 2, name: \"a\\x1b\"}", "--proto", file})),

@@ -45,7 +45,7 @@ class HgrosCheck : public testing::Test {
   }
 
  private:
-  const ProtoFolder folder_;
+  const ProtoFolder folder_{};
   const std::string prefix_ = folder_.path() + "/";
 };
 
@@ -362,7 +362,7 @@ TEST_F(HgrosCheck, RefusesWrongUseAndWhatCanBeReadOnlyOnce) {
   EXPECT_EQ(RunToEnd({"check"}).status, 2);
   EXPECT_EQ(RunToEnd({"check", "--schema", "--json"}).status, 2);
   EXPECT_THAT(RunToEnd({"check", "/no/such.yaml"}), Ends(2, "hgros: There is no file \"/no/such.yaml\".\n"));
-  const ProtoFolder folder;
+  const ProtoFolder folder{};
   const std::string pipe = folder.path() + "/pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::string& file : {pipe, std::string("/dev/null")}) {

@@ -113,7 +113,7 @@ TEST(HgrosControl, AsksAllSessionsThatAPatternMatchesAsInItsExamples) {
 TEST(HgrosControl, ReachesSessionsWithAnAllowedKeyThroughTheEndpointsOfAFile) {
   const CurveKeyPair robots = GenerateCurveKeyPair();
   const CurveKeyPair desks = GenerateCurveKeyPair();
-  const ProtoFolder folder;
+  const ProtoFolder folder{};
   const auto yaml = [&](const std::string& own, const CurveKeyPair& own_key, const std::string& other,
                         const CurveKeyPair& other_key) {
     const auto at = [&](const std::string& name) { return "'ipc://" + folder.path() + "/" + name + ".ipc'"; };
@@ -134,7 +134,7 @@ TEST(HgrosControl, ReachesSessionsWithAnAllowedKeyThroughTheEndpointsOfAFile) {
 struct RobotAndDeskWithKeys {
   const CurveKeyPair robots = GenerateCurveKeyPair();
   const CurveKeyPair desks = GenerateCurveKeyPair();
-  const ProtoFolder folder;
+  const ProtoFolder folder{};
   const std::string robot = "network:\n  publisher: {ip: 'tcp://127.0.0.1:*'}\n  security: {public_key: '" +
                             robots.public_key + "', secret_key: '" + robots.secret_key + "', allowed_clients: ['" +
                             desks.public_key + "']}\ndiscovery: {local: false}\n";
@@ -165,7 +165,7 @@ TEST(HgrosControl, SteersThroughConnectAloneWithAnAllowedKey) {
 }
 
 TEST(HgrosControl, IsRefusedThroughConnectWithoutKeys) {
-  const ProtoFolder folder;
+  const ProtoFolder folder{};
   const std::string endpoint = "ipc://" + folder.path() + "/robot.ipc";
   Session robot(Config::Parse("network: {publisher: {ip: '" + endpoint + "'}}\ndiscovery: {local: false}\n"),
                 {.name = "talker", .log = [](LogLevel, std::string_view) {}});

@@ -196,7 +196,7 @@ TEST(HgrosPub, PublishesTheLinesOfAFileAndWhatEchoWrote) {
   const Heard all(robot.session(), "all", Queue::KeepAll(4));
   const CommandEnd recorded = robot.Run({"echo", "status", "--json", "-n", "2"});
   ASSERT_EQ(recorded.status, 0);
-  const ProtoFolder folder;
+  const ProtoFolder folder{};
   const std::string file = folder.Write("x.jsonl", recorded.out + "\n{\"message\":\"bare\"}");
   EXPECT_EQ(robot.Run(Patiently({"pub", "wish", "--file", file})).err, "");
   ASSERT_TRUE(heard.Await(3));

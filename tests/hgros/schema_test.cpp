@@ -29,7 +29,7 @@ TEST(HgrosSchema, ShowsATypeWithoutARobot) {
       testing::IsSupersetOf(
           {R"({"type":"foxglove.LaserScan","field":"ranges","number":6,"kind":"double","repeated":true})",
            R"({"type":"foxglove.Pose","field":"position","number":1,"kind":"foxglove.Vector3","repeated":false})"}));
-  const ProtoFolder folder;
+  const ProtoFolder folder{};
   const std::string file = folder.Write("arm.proto", "syntax = \"proto3\"; package arm; message Arm { bool on = 1; }");
   EXPECT_THAT(RunToEnd({"schema", "arm.Arm", "--proto", file}).out, HasSubstr("  bool on = 1;\n"));
   const std::string broken = folder.Write("broken.proto", "syntax = \"proto3\";\nmessage \n");
@@ -90,7 +90,7 @@ TEST(HgrosSchema, DoesNotAskASessionThatTakesOnlyOlderRequests) {
 
 // Its folder is known from the place of the program.
 TEST(HgrosSchema, FindsInstalledFiles) {
-  const ProtoFolder prefix;
+  const ProtoFolder prefix{};
   (void)prefix.Write("share/hgros/proto/robot/Claw.proto", "syntax = \"proto3\"; package robot; message Claw {}");
   const std::string program = prefix.Write("bin/hgros", "");
   std::filesystem::copy_file(test::Path("hgros"), program, std::filesystem::copy_options::overwrite_existing);
