@@ -25,7 +25,7 @@ LAYERS = [
     ["graph", "transport", "discovery"],
     ["bridge", "services", "config"],
     ["session"],
-    ["tf", "params"],
+    ["tf", "params", "record"],
     ["component", "c"],
     ["placement", "testing"],
     ["hgros"],  # the header and the library of the whole project may use every module

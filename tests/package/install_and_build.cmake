@@ -51,6 +51,7 @@ run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${build} -D CMAKE_CXX_COM
 run(${CMAKE_COMMAND} --build ${build})
 run(${build}/consumer)
 run(${build}/robot)
+run(${build}/recording ${SCRATCH}/run.mcap)
 run(${build}/shop)
 
 # Components are checked when they are built, and found once they are installed, wherever that is.
