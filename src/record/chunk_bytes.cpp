@@ -41,8 +41,8 @@ void DecompressLz4(Bytes from, Growing& to) {
   if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION))) throw std::bad_alloc();
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(raw,
                                                                                      &LZ4F_freeDecompressionContext);
-  std::size_t left = 1;
-  while (left != 0) {
+  std::size_t left = 1;  // 0 at the end of a frame; there may be several.
+  while (left != 0 || !from.empty()) {
     std::size_t written = to.room();
     std::size_t read = from.size();
     left = LZ4F_decompress(raw, to.at(), &written, from.data(), &read, nullptr);
@@ -58,15 +58,15 @@ void DecompressZstd(Bytes from, Growing& to) {
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
   if (!context) throw std::bad_alloc();
   ZSTD_inBuffer input{from.data(), from.size(), 0};
-  std::size_t left = 1;
-  while (left != 0) {
+  std::size_t left = 1;  // 0 at the end of a frame; there may be several.
+  while (left != 0 || input.pos < input.size) {
     const std::size_t room = to.room();
     ZSTD_outBuffer output{to.at(), room, 0};
     const std::size_t before = input.pos;
     left = ZSTD_decompressStream(context.get(), &output, &input);
     if (ZSTD_isError(left)) throw Malformed(fmt::format("Zstandard reports: {}", ZSTD_getErrorName(left)));
     to.Use(output.pos);
-    if (left != 0 && output.pos == 0 && input.pos == before) {
+    if (output.pos == 0 && input.pos == before) {
       throw Malformed("its Zstandard data ends too early, or has more than it should");
     }
   }
@@ -88,7 +88,9 @@ struct Compressor::Context {
 };
 
 Compressor::Compressor(Compression compression, int level) : compression_(compression), level_(level) {
-  if (compression_ == Compression::kZstd) context_ = std::make_unique<Context>();
+  if (compression_ != Compression::kZstd) return;
+  context_ = std::make_unique<Context>();
+  if (!context_->zstd) throw std::bad_alloc();
 }
 
 Compressor::~Compressor() = default;

@@ -10,9 +10,6 @@
 /// What chunks do to the records in them.
 namespace hgros::mcap {
 
-/// A chunk with more uncompressed bytes is refused: it would not fit into the memory of a small machine.
-inline constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{1} << 32;
-
 /// As the Chunk record names it.
 [[nodiscard]] std::string_view NameOf(Compression compression) noexcept;
 

@@ -14,17 +14,15 @@
 
 namespace hgros::mcap {
 
-/// The damaged places of one file. Each is counted once, however often it is read.
+/// The damaged places of one file. The first 1,000 are remembered, and counted once, however often they are read.
 class Faults {
  public:
   /// `what` names no place.
   void Add(std::uint64_t offset, std::string_view part, std::string_view what, std::uint64_t messages = 0) {
-    if (places_.size() > kMaxPlaces || !places_.insert(offset).second) {
-      count_ += places_.size() > kMaxPlaces ? 1 : 0;
-      return;
-    }
+    if (places_.contains(offset)) return;
     ++count_;
     if (faults_.size() == kMaxFaults) return;
+    places_.insert(offset);
     faults_.push_back({offset, fmt::format("The {} at byte {} cannot be read: {}.", part, offset, what), messages});
   }
   /// More messages that were lost at the place of the last fault.
@@ -36,7 +34,6 @@ class Faults {
 
  private:
   static constexpr std::size_t kMaxFaults = 1000;
-  static constexpr std::size_t kMaxPlaces = 100'000;
   std::vector<Fault> faults_;
   std::set<std::uint64_t> places_;
   std::uint64_t count_ = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "record/chunk_bytes.hpp"
@@ -23,19 +24,36 @@ void LearnInto(std::map<std::uint16_t, Record>& known, Record record, const char
   if (!is_new && at->second != record) throw Malformed(fmt::format("{} {} differs from an earlier one", what, id));
 }
 
+// The summary leaves nothing out, as far as its numbers say.
+bool IsWhole(const FileIndex& index, const Statistics& statistics) {
+  std::uint64_t messages = 0;
+  for (const ChunkIndex& chunk : index.chunks) {
+    // A message index has 6 bytes, and 16 for each message.
+    const std::uint64_t heads = (kRecordHead + 6) * chunk.message_index_offsets.size();
+    if (chunk.message_index_length < heads) return false;
+    if (heads == 0) messages = statistics.message_count;  // They are not known.
+    messages += (chunk.message_index_length - heads) / 16;
+  }
+  return statistics.chunk_count == index.chunks.size() && statistics.channel_count == index.channels.size() &&
+         statistics.schema_count == index.schemas.size() && statistics.attachment_count == index.attachments.size() &&
+         statistics.metadata_count == index.metadata.size() && messages >= statistics.message_count;
+}
+
 // The summary, or nothing if there is none that a reader could use.
 std::optional<FileIndex> ReadSummary(const InputFile& file, Faults& faults) {
   constexpr std::uint64_t kEnd = kRecordHead + kFooterBytes + kMagic.size();
   if (file.size() < kMagic.size() + kEnd) return std::nullopt;
   const std::uint64_t footer_start = file.size() - kEnd;
   Buffer buffer;
-  Bytes end = file.Read(footer_start, kEnd, buffer);
-  if (AsText(end.last(kMagic.size())) != kMagic) return std::nullopt;
-  const RecordHead head = ParseRecordHead(end);
-  if (head.opcode != Opcode::kFooter || head.length != kFooterBytes) return std::nullopt;
-  const auto footer = Parse<Footer>(end.subspan(kRecordHead));
-  if (footer.summary_start == 0) return std::nullopt;
+  Footer footer;
   try {
+    Bytes end = file.Read(footer_start, kEnd, buffer);
+    const RecordHead head = ParseRecordHead(end);
+    if (AsText(end.last(kMagic.size())) != kMagic || head.opcode != Opcode::kFooter || head.length != kFooterBytes) {
+      return std::nullopt;
+    }
+    footer = Parse<Footer>(end.subspan(kRecordHead));
+    if (footer.summary_start == 0) return std::nullopt;
     if (footer.summary_start > footer_start) throw Malformed("it begins after the end of the file");
     const std::uint64_t size = footer_start - footer.summary_start;
     Bytes summary = file.Read(footer.summary_start, size + kEnd, buffer);
@@ -55,14 +73,7 @@ std::optional<FileIndex> ReadSummary(const InputFile& file, Faults& faults) {
         default: break;
       }
     }
-    // With all counts it is certain that the summary leaves nothing out.
-    if (!statistics || statistics->chunk_count != index.chunks.size() ||
-        statistics->channel_count != index.channels.size() || statistics->schema_count != index.schemas.size() ||
-        statistics->attachment_count != index.attachments.size() ||
-        statistics->metadata_count != index.metadata.size() ||
-        (statistics->message_count != 0 && index.chunks.empty())) {
-      return std::nullopt;
-    }
+    if (!statistics || !IsWhole(index, *statistics)) return std::nullopt;
     index.statistics = std::move(*statistics);
     index.has_summary = true;
     return index;
@@ -88,6 +99,7 @@ class Scan {
         faults_.Add(record.offset, record.opcode == Opcode::kChunk ? "chunk" : "record", error.what());
       }
     }
+    FinishChunk();
     Statistics& statistics = index_.statistics;
     statistics.schema_count = static_cast<std::uint16_t>(index_.schemas.size());
     statistics.channel_count = static_cast<std::uint32_t>(index_.channels.size());
@@ -108,16 +120,16 @@ class Scan {
       case Opcode::kAttachment: {
         AttachmentIndex attachment = ParseAttachmentHead(record.content);
         attachment.offset = record.offset;
-        attachment.length = walk_.length();
+        attachment.length = record.length;
         AddOnce(index_.attachments, std::move(attachment));
         run_is_open_ = false;
         break;
       }
       case Opcode::kMetadata:
-        AddOnce(index_.metadata, {record.offset, walk_.length(), Parse<Metadata>(record.content).name});
+        AddOnce(index_.metadata, {record.offset, record.length, Parse<Metadata>(record.content).name});
         break;
       case Opcode::kDataEnd:
-        if (record.content.size() != sizeof(DataEnd)) throw Malformed("it is too long");
+        if (record.content.size() != sizeof(DataEnd::data_section_crc)) throw Malformed("it has a wrong length");
         data_ended_ = true;
         break;
       case Opcode::kFooter:
@@ -150,7 +162,7 @@ class Scan {
     if (has_chunked_messages_) throw Malformed("it is a message outside of the chunks");
     const auto message = Parse<Message>(record.content);
     Count(message);
-    const std::uint64_t end = record.offset + walk_.length();
+    const std::uint64_t end = record.offset + record.length;
     if (!run_is_open_ || end - index_.runs.back().offset > kRunBytes) {
       index_.runs.push_back({message.log_time, message.log_time, record.offset, 0});
       run_is_open_ = true;
@@ -163,41 +175,69 @@ class Scan {
 
   void AddChunk(const RecordView& record) {
     run_is_open_ = false;
+    FinishChunk();
     const auto chunk = Parse<Chunk>(record.content);
     Bytes records = Decompress(chunk, uncompressed_);
     ChunkIndex index{0,
                      0,
                      record.offset,
-                     walk_.length(),
+                     record.length,
                      {},
                      0,
                      std::string(chunk.compression),
                      chunk.records.size(),
                      chunk.uncompressed_size};
-    bool first = true;
     while (!records.empty()) {
-      const RecordView inner = NextRecord(records);
-      if (index_.Learn(inner) || inner.opcode != Opcode::kMessage) continue;
-      const auto message = Parse<Message>(inner.content);
-      Count(message);
-      index.message_start_time = first ? message.log_time : std::min(index.message_start_time, message.log_time);
-      index.message_end_time = std::max(index.message_end_time, message.log_time);
-      first = false;
+      try {
+        AddInner(NextRecord(records), index);
+      } catch (const Malformed& error) {
+        faults_.Add(record.offset, "part of the chunk", error.what());
+        break;  // As Messages does, the reader keeps what is before.
+      }
     }
-    has_chunked_messages_ = has_chunked_messages_ || !first;
+    has_chunked_messages_ = has_chunked_messages_ || !channels_of_chunk_.empty();
     index_.chunks.push_back(std::move(index));
     damaged_chunk_.reset();
+  }
+
+  void AddInner(const RecordView& record, ChunkIndex& chunk) {
+    try {
+      if (index_.Learn(record)) return;
+    } catch (const Malformed& error) {
+      faults_.Add(chunk.chunk_start_offset, "part of the chunk", error.what());
+      return;
+    }
+    if (record.opcode != Opcode::kMessage) return;
+    const auto message = Parse<Message>(record.content);
+    Count(message);
+    chunk.message_start_time =
+        channels_of_chunk_.empty() ? message.log_time : std::min(chunk.message_start_time, message.log_time);
+    chunk.message_end_time = std::max(chunk.message_end_time, message.log_time);
+    channels_of_chunk_.insert(message.channel_id);
+  }
+
+  // Message indexes of the last chunk are only of use if they are complete: a reader leaves out chunks by them.
+  void FinishChunk() {
+    if (!index_.chunks.empty()) {
+      ChunkIndex& chunk = index_.chunks.back();
+      const auto has_id = [](const auto& offset, std::uint16_t id) { return offset.first == id; };
+      if (!std::equal(chunk.message_index_offsets.begin(), chunk.message_index_offsets.end(),
+                      channels_of_chunk_.begin(), channels_of_chunk_.end(), has_id)) {
+        chunk.message_index_offsets.clear();
+        chunk.message_index_length = 0;
+      }
+    }
+    channels_of_chunk_.clear();
   }
 
   void AddMessageIndex(const RecordView& record) {
     const auto index = Parse<MessageIndex>(record.content);
     if (damaged_chunk_) {
-      faults_.Add(*damaged_chunk_, "chunk", "its type is wrong");  // Unless it is reported already.
       faults_.AddLost(*damaged_chunk_, index.records.size());
     } else if (!index_.chunks.empty() && !index.records.empty()) {
       ChunkIndex& chunk = index_.chunks.back();
-      chunk.message_index_offsets.emplace(index.channel_id, record.offset);
-      chunk.message_index_length = record.offset + walk_.length() - chunk.chunk_start_offset - chunk.chunk_length;
+      if (!chunk.message_index_offsets.emplace(index.channel_id, record.offset).second) return;
+      chunk.message_index_length = record.offset + record.length - chunk.chunk_start_offset - chunk.chunk_length;
     }
   }
 
@@ -205,10 +245,11 @@ class Scan {
   RecordWalk walk_;
   FileIndex index_;
   Buffer uncompressed_;
+  std::set<std::uint16_t> channels_of_chunk_;  // That have messages in the last chunk.
   bool run_is_open_ = false;
   bool has_chunked_messages_ = false;
   bool data_ended_ = false;
-  std::optional<std::uint64_t> damaged_chunk_;  // What stands where a chunk should be.
+  std::optional<std::uint64_t> damaged_chunk_;  // The last record, if it is no chunk.
 };
 
 }  // namespace

@@ -22,32 +22,32 @@ InputFile::InputFile(const std::filesystem::path& path)
     throw Error(fmt::format("\"{}\" cannot be read: {}.", name(), std::strerror(error)));
   }
   if (S_ISREG(about.st_mode)) size_ = static_cast<std::uint64_t>(about.st_size);
+  std::string why = S_ISREG(about.st_mode) ? "It does not begin as one." : "It is no regular file.";
   Buffer magic;
   try {
     Read(0, kMagic.size(), magic);
-  } catch (const Malformed&) {
+  } catch (const Malformed& error) {
     magic.clear();
-  } catch (...) {
-    close(descriptor_);
-    throw;
+    if (size_ >= kMagic.size()) why = fmt::format("It cannot be read: {}.", error.what());
   }
   if (AsText(magic) != kMagic) {
     close(descriptor_);
-    throw Error(fmt::format("\"{}\" is not an MCAP file.", name()), {},
-                S_ISREG(about.st_mode) ? "It does not begin as one." : "It is no regular file.");
+    throw Error(fmt::format("\"{}\" is not an MCAP file.", name()), {}, why);
   }
 }
 
 InputFile::~InputFile() { close(descriptor_); }
 
 Bytes InputFile::Read(std::uint64_t offset, std::uint64_t size, Buffer& into) const {
-  if (offset > size_ || size > size_ - offset) throw Malformed("the file ends before");
+  if (offset > size_ || size > size_ - offset) throw Malformed("the file ends too early");
+  if (size > kMaxReadBytes)
+    throw Malformed(fmt::format("it has {} bytes, and at most {} are read", size, kMaxReadBytes));
   into.resize(size);
   for (std::uint64_t done = 0; done < size;) {
     const ssize_t got = pread(descriptor_, into.data() + done, size - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw Error(fmt::format("\"{}\" cannot be read: {}.", name(), std::strerror(errno)));
-    if (got == 0) throw Malformed("the file ends before, it was shortened meanwhile");
+    if (got < 0) throw Malformed(fmt::format("the system reports: {}", std::strerror(errno)));
+    if (got == 0) throw Malformed("the file was shortened meanwhile");
     done += static_cast<std::uint64_t>(got);
   }
   return into;

@@ -89,17 +89,30 @@ class Messages::Core {
       OpenWhatIsDue();
       if (!current_ && heap_.empty()) return false;
       if (!current_ || (!heap_.empty() && Key(*heap_.front()) < Key(*current_))) SwitchToFirst();
-      if (!current_->loaded && !Load(*current_)) {
-        current_->next = current_->entries.size() - 1;  // The rest is lost.
-        continue;
-      }
-      Bytes rest = current_->records.subspan(current_->entries[current_->next].offset);
-      message = Parse<Message>(NextRecord(rest).content);
-      return true;
+      if (ReadCurrent(message)) return true;
+      current_->next = current_->entries.size() - 1;  // The rest of it is lost.
     }
   }
 
  private:
+  // False if the block can no longer be read, or has changed.
+  bool ReadCurrent(Message& message) {
+    if (!current_->loaded) {
+      if (!Load(*current_)) return false;
+      LimitMemory();
+    }
+    try {
+      const std::uint64_t offset = current_->entries[current_->next].offset;
+      if (offset > current_->records.size()) throw Malformed("the file has changed");
+      Bytes rest = current_->records.subspan(offset);
+      message = Parse<Message>(NextRecord(rest).content);
+      return true;
+    } catch (const Malformed& error) {
+      reader_.faults.Add(current_->block->offset, "rest of the chunk", error.what());
+      return false;
+    }
+  }
+
   struct Block {
     std::uint64_t start;
     std::uint64_t offset;
@@ -142,7 +155,8 @@ class Messages::Core {
 
   void OpenWhatIsDue() {
     while (next_block_ < blocks_.size()) {
-      const Open* const first = current_ ? current_.get() : heap_.empty() ? nullptr : heap_.front().get();
+      const Open* first = current_.get();
+      if (!heap_.empty() && (!first || Key(*heap_.front()) < Key(*first))) first = heap_.front().get();
       if (first && (!by_time() || blocks_[next_block_].start > Key(*first).first)) return;
       auto open = spare_ ? std::move(spare_) : std::make_unique<Open>();
       open->block = &blocks_[next_block_++];
@@ -224,11 +238,11 @@ class Messages::Core {
   void LimitMemory() {
     std::size_t total = current_ ? current_->size() : 0;
     for (const auto& open : heap_) total += open->size();
-    while (total > kOpenBytes) {
+    while (total > kOpenBytes && !heap_.empty()) {
       const auto last = std::max_element(heap_.begin(), heap_.end(), [this](const auto& a, const auto& b) {
         return std::pair(a->loaded, Key(*a)) < std::pair(b->loaded, Key(*b));
       });
-      if (heap_.size() < 2 || !(*last)->loaded) return;
+      if (!(*last)->loaded || (!current_ && heap_.size() < 2)) return;
       total -= (*last)->size();
       (*last)->loaded = false;
       (*last)->stored = {};

@@ -25,8 +25,7 @@ constexpr std::size_t kCopiesAtMost = std::size_t{64} << 10;  // Larger messages
 template <class Map>
 std::uint16_t NextId(const Map& map, std::string_view what) {
   if (map.size() == std::numeric_limits<std::uint16_t>::max()) {
-    throw Error(fmt::format("An MCAP file has room for 65,535 {}, and this one has them.", what), {},
-                "Begin another file.");
+    throw Error(fmt::format("This MCAP file already has 65,535 {}, the maximum.", what), {}, "Begin another file.");
   }
   return static_cast<std::uint16_t>(map.size() + 1);
 }
@@ -39,7 +38,13 @@ class Writer::Core {
       : options_(std::move(options)), compressor_(options_.compression, options_.compression_level), file_(path) {
     Buffer buffer(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
     Append(buffer, Header{options_.profile, options_.library});
-    Put(buffer);
+    options_.chunk_bytes = std::min<std::size_t>(options_.chunk_bytes, kMaxChunkBytes);
+    try {
+      Put(buffer);
+    } catch (...) {
+      file_.Remove();  // It would be in the way of the next attempt.
+      throw;
+    }
   }
 
   std::uint16_t AddSchema(std::string_view name, std::string_view encoding, std::string_view data) {
@@ -68,9 +73,9 @@ class Writer::Core {
     if (message.channel_id == 0 || message.channel_id > channels_.size()) {
       throw Error(fmt::format("There is no channel {} for a message.", message.channel_id));
     }
-    if (message.data.size() > std::numeric_limits<std::uint32_t>::max()) {
+    if (message.data.size() > kMaxChunkBytes - kRecordHead - kMessageHead) {
       throw Error(
-          fmt::format("A message of \"{}\" has 4 GiB or more.", channels_[message.channel_id - 1].channel.topic));
+          fmt::format("A message of \"{}\" does not fit into 1 GiB.", channels_[message.channel_id - 1].channel.topic));
     }
     if (options_.chunks) {
       AddToChunk(message);
@@ -86,25 +91,20 @@ class Writer::Core {
 
   void Write(const Attachment& attachment) {
     RequireOpen();
-    AttachmentIndex index{
-        file_.size(),         0, attachment.log_time, attachment.create_time, attachment.data.size(), attachment.name,
-        attachment.media_type};
     Buffer buffer;
     Append(buffer, attachment, options_.crc);
-    Put(buffer);
-    index.length = buffer.size();
-    attachments_.push_back(std::move(index));
+    attachments_.push_back({file_.size(), buffer.size(), attachment.log_time, attachment.create_time,
+                            attachment.data.size(), attachment.name, attachment.media_type});
+    PutIndexed(buffer, attachments_);
     ++statistics_.attachment_count;
   }
 
   void Write(const Metadata& metadata) {
     RequireOpen();
-    MetadataIndex index{file_.size(), 0, metadata.name};
     Buffer buffer;
     Append(buffer, metadata);
-    Put(buffer);
-    index.length = buffer.size();
-    metadata_.push_back(std::move(index));
+    metadata_.push_back({file_.size(), buffer.size(), metadata.name});
+    PutIndexed(buffer, metadata_);
     ++statistics_.metadata_count;
   }
 
@@ -125,12 +125,12 @@ class Writer::Core {
     Buffer buffer;
     Append(buffer, DataEnd{options_.crc ? data_crc_ : 0});
     AppendSummary(buffer, file_.size());
-    file_.Append(buffer);
+    file_.Append({buffer});
     closed_ = true;
     file_.Close();
   }
 
-  const Statistics& statistics() noexcept {
+  const Statistics& statistics() {
     statistics_.message_start_time = extent_.start;
     statistics_.message_end_time = extent_.end;
     for (const Known& known : channels_) {
@@ -164,14 +164,21 @@ class Writer::Core {
   }
 
   // Appends to the data section.
-  void Put(Bytes bytes, Bytes more = {}) {
-    const std::array pieces{bytes, more};
-    PutAll(pieces);
-  }
-  void PutAll(std::span<const Bytes> pieces) {
+  void Put(Bytes bytes, Bytes more = {}) { PutAll({bytes, more}); }
+  void PutAll(const std::array<Bytes, OutputFile::kMaxPieces>& pieces) {
     file_.Append(pieces);
     if (!options_.crc) return;
     for (const Bytes piece : pieces) data_crc_ = Crc32(data_crc_, piece);
+  }
+  // `list` has the index of these bytes already, since nothing may fail after they are in the file.
+  template <class Index>
+  void PutIndexed(Bytes bytes, std::vector<Index>& list) {
+    try {
+      Put(bytes);
+    } catch (...) {
+      list.pop_back();
+      throw;
+    }
   }
 
   // A schema or channel: part of the chunk.
@@ -180,7 +187,13 @@ class Writer::Core {
     RequireOpen();
     if (options_.chunks) {
       if (records_.size() >= options_.chunk_bytes) Flush();
-      Append(records_, record);
+      const std::size_t before = records_.size();
+      try {
+        Append(records_, record);
+      } catch (...) {
+        records_.resize(before);
+        throw;
+      }
       return;
     }
     records_.clear();
@@ -218,19 +231,32 @@ class Writer::Core {
         chunk_extent_.start, chunk_extent_.end, records_.size() + last.size(), 0, NameOf(options_.compression), {}};
     if (options_.crc) chunk.uncompressed_crc = Crc32(Crc32(0, records_), last);
     const Bytes stored = compressor_.Compress(records_);
-    // The head is written with the length of all records; a span of that length stands for them.
-    chunk.records = Bytes(stored.data(), stored.size() + last.size());
+    const std::uint64_t stored_size = stored.size() + last.size();
     Buffer head;
-    AppendChunkHead(head, chunk);
-    ChunkIndex index{chunk.message_start_time,
-                     chunk.message_end_time,
-                     file_.size(),
-                     head.size() + chunk.records.size(),
-                     {},
-                     0,
-                     std::string(chunk.compression),
-                     chunk.records.size(),
-                     chunk.uncompressed_size};
+    AppendChunkHead(head, chunk, stored_size);
+    chunks_.push_back({chunk.message_start_time,
+                       chunk.message_end_time,
+                       file_.size(),
+                       head.size() + stored_size,
+                       {},
+                       0,
+                       std::string(chunk.compression),
+                       stored_size,
+                       chunk.uncompressed_size});
+    ChunkIndex& index = chunks_.back();
+    try {
+      PutChunk(head, stored, last, index);
+    } catch (...) {
+      chunks_.pop_back();
+      throw;
+    }
+    for (Known& known : channels_) known.index.records.clear();
+    records_.clear();
+    chunk_extent_ = {};
+    ++statistics_.chunk_count;
+  }
+
+  void PutChunk(Bytes head, Bytes stored, Bytes last, ChunkIndex& index) {
     Buffer indexes;
     if (options_.message_index) {
       for (const Known& known : channels_) {
@@ -240,13 +266,7 @@ class Writer::Core {
       }
     }
     index.message_index_length = indexes.size();
-    const std::array<Bytes, 4> pieces{head, stored, last, indexes};
-    PutAll(pieces);
-    for (Known& known : channels_) known.index.records.clear();
-    records_.clear();
-    chunk_extent_ = {};
-    chunks_.push_back(std::move(index));
-    ++statistics_.chunk_count;
+    PutAll({head, stored, last, indexes});
   }
 
   // The records after DataEnd, which `buffer` has.
@@ -283,7 +303,7 @@ class Writer::Core {
     buffer.insert(buffer.end(), AsBytes(kMagic).begin(), AsBytes(kMagic).end());
   }
 
-  const WriterOptions options_;
+  WriterOptions options_;
   Compressor compressor_;
   OutputFile file_;
   std::uint32_t data_crc_ = 0;
@@ -307,7 +327,10 @@ Writer::~Writer() {
   try {
     core_->Close();
   } catch (const std::exception& error) {
-    DefaultLogSink()(LogLevel::kError, error.what());
+    try {
+      Log().Write(LogLevel::kError, error.what());
+    } catch (...) {  // A destructor must not throw.
+    }
   }
 }
 
@@ -324,7 +347,7 @@ void Writer::Write(const Metadata& metadata) { core_->Write(metadata); }
 void Writer::Flush() { core_->Flush(); }
 void Writer::Sync() { core_->Sync(); }
 void Writer::Close() { core_->Close(); }
-const Statistics& Writer::statistics() const noexcept { return core_->statistics(); }
+const Statistics& Writer::statistics() const { return core_->statistics(); }
 std::uint64_t Writer::size_bytes() const noexcept { return core_->size(); }
 
 }  // namespace hgros::mcap

@@ -17,8 +17,6 @@ namespace hgros::mcap {
 
 namespace {
 
-constexpr std::size_t kMaxPieces = 8;
-
 const char* Mend(int error) {
   switch (error) {
     case ENOSPC:
@@ -41,11 +39,11 @@ OutputFile::~OutputFile() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-void OutputFile::Append(std::span<const Bytes> pieces) {
+void OutputFile::Append(const std::array<Bytes, kMaxPieces>& pieces) {
   std::array<iovec, kMaxPieces> vectors{};
   std::size_t count = 0;
   std::uint64_t left = 0;
-  for (const Bytes piece : pieces.first(std::min(pieces.size(), kMaxPieces))) {
+  for (const Bytes piece : pieces) {
     if (piece.empty()) continue;
     vectors[count++] = {const_cast<std::byte*>(piece.data()), piece.size()};
     left += piece.size();
@@ -75,7 +73,15 @@ void OutputFile::Append(std::span<const Bytes> pieces) {
 
 void OutputFile::Sync() {
   if (fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) Fail("written to the disk");
+  if (std::exchange(has_name_on_disk_, true)) return;
+  const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // A folder that may not be listed.
+  (void)fsync(descriptor);
+  close(descriptor);
 }
+
+void OutputFile::Remove() noexcept { unlink(path_.c_str()); }
 
 void OutputFile::Close() {
   if (close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) Fail("written");

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <span>
 
 #include "hgros/base/bytes.hpp"
 
@@ -17,11 +18,14 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  static constexpr std::size_t kMaxPieces = 4;
+
   /// Writes all pieces, or none: throws Error, and the file is as long as before.
-  void Append(std::span<const Bytes> pieces);
-  void Append(Bytes piece) { Append(std::span(&piece, 1)); }
-  /// Waits until the disk has the file. Throws Error.
+  void Append(const std::array<Bytes, kMaxPieces>& pieces);
+  /// Waits until the disk has the file and its name. Throws Error. What the disk could not write may be lost then.
   void Sync();
+  /// Removes the file's name.
+  void Remove() noexcept;
   /// Throws Error if the system reports that something could not be written.
   void Close();
 
@@ -33,6 +37,7 @@ class OutputFile {
   std::filesystem::path path_;
   int descriptor_;
   std::uint64_t size_ = 0;
+  bool has_name_on_disk_ = false;
 };
 
 }  // namespace hgros::mcap

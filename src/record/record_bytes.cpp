@@ -53,7 +53,9 @@ class Fields {
     const std::size_t at = out_.size();
     Number(U32{0});
     writes();
-    const auto size = static_cast<U32>(out_.size() - at - sizeof(U32));
+    const std::size_t written = out_.size() - at - sizeof(U32);
+    if (written > std::numeric_limits<U32>::max()) throw Error("A list for an MCAP file has 4 GiB or more.");
+    const auto size = static_cast<U32>(written);
     std::memcpy(out_.data() + at, &size, sizeof(size));
   }
   void Texts(const std::map<std::string, std::string>& texts) {
@@ -155,20 +157,15 @@ void AppendMessageHead(Buffer& out, const Message& record) {
   fields.Finish(record.data.size());
 }
 
-void Append(Buffer& out, const Message& record) {
-  AppendMessageHead(out, record);
-  out.insert(out.end(), record.data.begin(), record.data.end());
-}
-
-void AppendChunkHead(Buffer& out, const Chunk& record) {
+void AppendChunkHead(Buffer& out, const Chunk& record, U64 records_size) {
   Fields fields(out, Opcode::kChunk);
   fields.Number(record.message_start_time);
   fields.Number(record.message_end_time);
   fields.Number(record.uncompressed_size);
   fields.Number(record.uncompressed_crc);
   fields.Text(record.compression);
-  fields.Number(U64{record.records.size()});
-  fields.Finish(record.records.size());
+  fields.Number(records_size);
+  fields.Finish(records_size);
 }
 
 void Append(Buffer& out, const Attachment& record, bool crc) {
@@ -394,7 +391,7 @@ RecordView NextRecord(Bytes& bytes) {
   const auto opcode = static_cast<Opcode>(input.Number<U8>());
   const Bytes content = input.Raw(input.Number<U64>());
   bytes = input.rest();
-  return {opcode, 0, true, content};
+  return {opcode, 0, kRecordHead + content.size(), true, content};
 }
 
 }  // namespace hgros::mcap

@@ -19,6 +19,9 @@ inline constexpr std::string_view kMagic = "\x89MCAP0\r\n";
 inline constexpr std::size_t kRecordHead = 9;  ///< Opcode and length.
 inline constexpr std::size_t kFooterBytes = 20;
 inline constexpr std::size_t kMessageHead = 22;  ///< A message without its data.
+/// A chunk with more uncompressed bytes is neither written nor read: it would not fit into the memory of a small
+/// machine.
+inline constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{1} << 30;
 
 /// Bytes that are no such record. what() is a part of a sentence: "the text is longer than the record".
 struct Malformed : std::runtime_error {
@@ -39,8 +42,7 @@ struct Chunk {
 void Append(Buffer& out, const Header& record);
 void Append(Buffer& out, const Schema& record);
 void Append(Buffer& out, const Channel& record);
-void Append(Buffer& out, const Message& record);
-/// Its CRC is 0 then.
+/// Without `crc`, that field is 0.
 void Append(Buffer& out, const Attachment& record, bool crc);
 void Append(Buffer& out, const Metadata& record);
 void Append(Buffer& out, const Statistics& record);
@@ -53,8 +55,8 @@ void Append(Buffer& out, const DataEnd& record);
 void Append(Buffer& out, const Footer& record);
 /// The record up to and including a message's fixed fields; `data` with `size` bytes follows.
 void AppendMessageHead(Buffer& out, const Message& record);
-/// The record without its records, which follow.
-void AppendChunkHead(Buffer& out, const Chunk& record);
+/// The record without its records, which follow: `records_size` bytes.
+void AppendChunkHead(Buffer& out, const Chunk& record, std::uint64_t records_size);
 
 /// Throws Malformed. Bytes after the last field are ignored, as the specification wants it.
 template <class Record>

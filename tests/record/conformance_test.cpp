@@ -61,6 +61,12 @@ std::uint32_t Number32(const Expected& record, const char* name) {
   return static_cast<std::uint32_t>(record.Number(name));
 }
 
+using mcap::Append;
+void Append(Buffer& out, const Message& message) {
+  AppendMessageHead(out, message);
+  out.insert(out.end(), message.data.begin(), message.data.end());
+}
+
 // The records as bytes: equal bytes are equal records.
 Buffer BytesOf(const std::string& type, const Expected& record) {
   Buffer out;

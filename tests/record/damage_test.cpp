@@ -28,10 +28,11 @@ class Damage : public testing::TestWithParam<Compression> {
     options.compression = GetParam();
     Writer writer(path_, options);
     writer.AddChannel("a", "", writer.AddSchema("A", "protobuf", "descriptor"));
+    writer.AddChannel("b", "", 0);
     writer.Flush();
     for (std::uint32_t i = 0; i < kChunks * kMessages; ++i) {
       const std::string data = "message " + std::to_string(i) + std::string(i % 50, 'x');
-      writer.Write(Message{1, i, 1000 + i, 0, AsBytes(data)});
+      writer.Write(Message{static_cast<std::uint16_t>(1 + i % 2), i, 1000 + i, 0, AsBytes(data)});
       if ((i + 1) % kMessages == 0) {
         writer.Flush();
         ends_.push_back(writer.size_bytes());
@@ -51,6 +52,12 @@ class Damage : public testing::TestWithParam<Compression> {
       EXPECT_EQ(AsText(message.data), text);
       numbers.push_back(message.sequence);
     }
+    Selection of_one;
+    of_one.channels = {{2}};
+    std::size_t of_second = 0;
+    Messages second = reader.Select(of_one);
+    for (Message message; second.Next(message); ++of_second) EXPECT_EQ(message.sequence % 2, 1U);
+    EXPECT_EQ(of_second, std::ranges::count_if(numbers, [](std::uint32_t number) { return number % 2 == 1; }));
     faults = reader.fault_count();
     return numbers;
   }

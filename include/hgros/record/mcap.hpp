@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "hgros/base/bytes.hpp"
-#include "hgros/base/export.hpp"
 
 /// The records of an MCAP file, with the names of its specification (mcap.dev/spec). Times are nanoseconds, of the same
 /// clock for the whole file: usually since 1970. Offsets count bytes from the start of the file.
@@ -49,7 +48,7 @@ struct Schema {
 
 struct Channel {
   std::uint16_t id = 0;
-  std::uint16_t schema_id = 0;  ///< 0: without a schema.
+  std::uint16_t schema_id = 0;  ///< 0: without a schema. In a damaged file, perhaps of none.
   std::string topic;
   std::string message_encoding;
   std::map<std::string, std::string> metadata;

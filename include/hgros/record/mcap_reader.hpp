@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -38,11 +37,11 @@ struct Selection {
 
 class Messages;
 
-/// Reads an MCAP file with the help of its summary. A file without one, because its writer was killed, say, is read
-/// once as a whole to make up for it. What is damaged is left out and reported by faults().
+/// Reads an MCAP file with the help of its summary. A file without a summary, because its writer was killed for
+/// example, is read once to build the index. What is damaged is left out and reported by faults().
 ///
-/// Threading: not thread-safe, nor are the Messages of one Reader used in two threads.
-/// Memory:    about 100 bytes per chunk, and the chunks that Messages has open.
+/// Threading: not thread-safe. A Reader and its Messages must be used by one thread at a time.
+/// Memory:    schemas and channels; 200 bytes for each chunk, and 64 for each channel in it.
 class HGROS_EXPORT Reader {
  public:
   /// Throws hgros::Error if the file cannot be read, or does not begin as an MCAP file.
@@ -54,7 +53,7 @@ class HGROS_EXPORT Reader {
   [[nodiscard]] const Header& header() const noexcept;
   [[nodiscard]] const std::map<std::uint16_t, Schema>& schemas() const noexcept;
   [[nodiscard]] const std::map<std::uint16_t, Channel>& channels() const noexcept;
-  /// Counted again if the file has none. schema_count and channel_count are those of schemas() and channels() then.
+  /// Counted from the file if it has none.
   [[nodiscard]] const Statistics& statistics() const noexcept;
   [[nodiscard]] const std::vector<ChunkIndex>& chunks() const noexcept;
   [[nodiscard]] const std::vector<AttachmentIndex>& attachments() const noexcept;
@@ -63,12 +62,12 @@ class HGROS_EXPORT Reader {
   [[nodiscard]] bool has_summary() const noexcept;
   [[nodiscard]] std::uint64_t size_bytes() const noexcept;
 
-  /// What was found damaged so far, the first 1,000 places.
+  /// The first 1,000 faults so far.
   [[nodiscard]] const std::vector<Fault>& faults() const noexcept;
-  /// How many there were.
+  /// Number of faults so far.
   [[nodiscard]] std::uint64_t fault_count() const noexcept;
 
-  /// Throws hgros::Error if the record is damaged.
+  /// Both throw hgros::Error if the record is damaged, or has more than 1 GiB.
   [[nodiscard]] Attachment Read(const AttachmentIndex& index) const;
   [[nodiscard]] Metadata Read(const MetadataIndex& index) const;
 
@@ -83,8 +82,8 @@ class HGROS_EXPORT Reader {
 
 /// The selected messages of a file, one after another.
 ///
-/// Memory: 64 MiB, or the largest chunk if that is larger. If more chunks than fit overlap in time, some are read
-/// repeatedly.
+/// Memory: up to 64 MiB of records, or two chunks if they are larger; 16 bytes for each message of the chunks that
+/// overlap the current one in time. If more chunks than fit overlap, some are read repeatedly.
 class HGROS_EXPORT Messages {
  public:
   Messages(Messages&&) noexcept;
@@ -102,19 +101,22 @@ class HGROS_EXPORT Messages {
   std::unique_ptr<Core> core_;
 };
 
-/// One record as it lies in the file, or in a chunk.
+/// One record of a file or a chunk.
 struct RecordView {
   Opcode opcode{};
-  std::uint64_t offset = 0;  ///< Of the record, or of its chunk.
+  std::uint64_t offset = 0;  ///< Of the record; of the chunk, for records in it.
+  std::uint64_t length = 0;  ///< With opcode and length.
   bool in_chunk = false;
   Bytes content;  ///< Without opcode and length.
 };
 
 /// All records of a file in the file's order, each chunk followed by the records in it, to check or repair the file.
-/// After a record with a wrong length, some can come again.
+/// After a record with a wrong length, some are returned twice.
 ///
 /// Threading: not thread-safe.
-/// Memory:    the largest record, and the records of the largest chunk.
+/// Memory:    the largest record, and the records of the largest chunk. Attachments and records of unknown types have
+/// only the
+///            first 128 KiB of their content; Reader::Read() returns whole attachments.
 class HGROS_EXPORT Records {
  public:
   /// Throws hgros::Error if the file cannot be read, or does not begin as an MCAP file.
@@ -123,7 +125,7 @@ class HGROS_EXPORT Records {
   Records(const Records&) = delete;
   Records& operator=(const Records&) = delete;
 
-  /// False after the last one. The content is valid until the next call.
+  /// False after the last one. The content is valid until the next call. What cannot be read is added to faults().
   [[nodiscard]] bool Next(RecordView& record);
   /// As in Reader.
   [[nodiscard]] const std::vector<Fault>& faults() const noexcept;
