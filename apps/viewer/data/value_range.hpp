@@ -13,7 +13,8 @@ namespace hgros::viewer {
 
 /// The range of values that colors are spread over. It covers what was seen last, without outliers: of each message all
 /// values except the lowest and highest 2 % (unless that leaves a single value), and, from 16 messages on, all messages
-/// except the lowest and highest 1 % (at least one). It changes in steps, so that it rarely changes.
+/// except the lowest and highest 1 % (at least one). It rarely changes: it grows if values lie outside by more than a
+/// twentieth of it, then with a margin of a quarter, and shrinks if they fill less than a quarter.
 class ValueRange {
  public:
   static constexpr std::size_t kFewMessages = 16;
@@ -73,13 +74,19 @@ class ValueRange {
     std::ranges::transform(seen_, sample_.begin(), [](const auto& one) { return one.second; });
     const float highest = Highest(sample_, tail);
     const float spread = highest - lowest;
-    const bool inside = known_ && lowest >= lo_ && highest <= hi_;
-    if (inside && (spread <= 0 || 4 * spread >= hi_ - lo_)) return false;
-    const float new_lo = known_ && !inside ? std::min(lo_, lowest) : lowest;
-    const float new_hi = known_ && !inside ? std::max(hi_, highest) : highest;
-    const float margin = known_ && !inside ? 0.25F * (new_hi - new_lo) : 0;  // A range that grew once will grow again.
-    if (!known_ || inside || new_lo < lo_) lo_ = new_lo - margin;
-    if (!known_ || inside || new_hi > hi_) hi_ = new_hi + margin;
+    const float slack = (hi_ - lo_) / 20;
+    const bool below = known_ && lowest < lo_ - slack;
+    const bool above = known_ && highest > hi_ + slack;
+    if (below || above) {
+      // A range that grew once will grow again.
+      const float margin = 0.25F * (std::max(hi_, highest) - std::min(lo_, lowest));
+      if (below) lo_ = lowest - margin;
+      if (above) hi_ = highest + margin;
+      return true;
+    }
+    if (known_ && (spread <= 0 || 4 * spread >= hi_ - lo_)) return false;
+    lo_ = lowest;
+    hi_ = highest;
     known_ = true;
     return true;
   }

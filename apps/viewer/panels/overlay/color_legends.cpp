@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@ namespace {
 
 // In heights of the font.
 constexpr float kBarWidth = 14;
+constexpr float kLeastWidth = 6;  // Of a bar between panels: there is room for its limits.
 constexpr float kBarHeight = 0.6F;
 constexpr float kMargin = 0.8F;
 
@@ -51,11 +53,11 @@ void DrawColorLegends(const Scene& scene) {
   const PanelPlace room = FreeRoom();
   const float unit = ImGui::GetFontSize();
   const float left = room.x + kMargin * unit;
-  const float width = kBarWidth * unit;
+  const float width = std::min(kBarWidth * unit, room.width - 2 * kMargin * unit);
   float top = room.y + room.height - kMargin * unit;
   for (const auto& [name, legend] : legends) {
     top -= (2.5F + kBarHeight) * unit;
-    if (top < room.y || width > room.width) return;
+    if (top < room.y || width < kLeastWidth * unit) return;
     WriteShaded(list, {left, top}, name);
     DrawBar(list, {left, top + unit}, {width, kBarHeight * unit}, legend.map);
     const std::string highest = LimitText(legend.highest);
