@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <foxglove/Log.pb.h>
+#include <foxglove/Pose.pb.h>
 
 #include "hgros/command_run.hpp"
 #include "hgros/help_examples.hpp"
@@ -150,6 +151,20 @@ TEST(HgrosPub, RefusesWhatItCannotPublish) {
     EXPECT_THAT(end.err + end.out, Not(HasSubstr("\x1b")));
     EXPECT_NE(end.err, "");
   });
+}
+
+TEST(HgrosPub, TellsWhoTakesAnotherTypeAndPublishesThatType) {
+  RobotForCommands robot("talker");
+  RobotForCommands other("listener", robot.domain());
+  const auto publish = robot.session().Advertise<foxglove::Pose>("mixed");
+  const Heard heard(other.session(), "mixed");
+  other.AwaitAnnounced();
+  robot.RunUntil(
+      {"pub", "mixed", "{position: {x: 1}}"},
+      Ends(1, AllOf(HasSubstr("Nobody subscribes to mixed with this type, so nobody gets the message. listener:"),
+                    HasSubstr(" subscribes to mixed with the type foxglove.Log, not foxglove.Pose."))));
+  EXPECT_THAT(robot.Run(Patiently({"pub", "mixed", "{message: a}", "--type", "foxglove.Log"})), Ends(0, ""));
+  EXPECT_TRUE(heard.Await(1));
 }
 
 TEST(HgrosPub, PublishesATypeThatOnlyAPublisherOrASubscriberOfTheChannelKnows) {

@@ -17,6 +17,7 @@
 #include "messages/message_reader.hpp"
 #include "messages/type_finder.hpp"
 #include "robot/channel_type.hpp"
+#include "robot/overview.hpp"
 #include "robot/robot.hpp"
 #include "terminal/json.hpp"
 #include "terminal/line_reader.hpp"
@@ -76,13 +77,18 @@ class Publishing {
   [[nodiscard]] const std::string& type_name() const noexcept { return type_.schema.type_name; }
   [[nodiscard]] std::uint64_t published() const noexcept { return published_; }
   [[nodiscard]] bool enough() const noexcept { return options_.count && published_ >= *options_.count; }
-  // The most that had joined when they were counted: before the first message, and then every 100 ms.
+  // The most that had joined when they were counted: before the first message, and then every 100 ms. Without those
+  // that take another type.
   [[nodiscard]] std::size_t subscribers() const noexcept { return subscribers_; }
+  // Who takes another type, in one sentence; empty: nobody does.
+  [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
   // What was published, in one sentence.
   [[nodiscard]] std::string Sentence() const;
   void Report() const;
 
  private:
+  // The subscribers that are known and take the type. Notes another one in refusal_.
+  [[nodiscard]] std::size_t Fitting();
   void CountSubscribers();
 
   const PubOptions& options_;
@@ -93,6 +99,7 @@ class Publishing {
   std::uint64_t published_ = 0;
   std::uint64_t bytes_ = 0;
   std::size_t subscribers_ = 0;
+  std::string refusal_;
   SteadyTime counted_;
 };
 
@@ -100,6 +107,19 @@ bool Publishing::SleepUntil(SteadyTime time) const {
   if (!robot_.surroundings().pause.SleepUntil(std::min(time, end_))) return false;
   if (std::chrono::steady_clock::now() >= end_) throw TimedOut("Publishing takes longer than --timeout allows.");
   return true;
+}
+
+std::size_t Publishing::Fitting() {
+  std::size_t fitting = 0;
+  for (const ChannelUser& user : ChannelNamed(robot_, options_.channel).subscribers) {
+    if (user.type_name.empty() || user.type_name == type_name()) {
+      ++fitting;
+    } else if (refusal_.empty()) {
+      refusal_ = fmt::format("{} subscribes to {} with the type {}, not {}.", ShortName(user, false),
+                             Visible(options_.channel), user.type_name, type_name());
+    }
+  }
+  return fitting;
 }
 
 // Takes longer than publishing a small message.
@@ -110,11 +130,13 @@ void Publishing::CountSubscribers() {
   constexpr std::size_t kMost = 10'000;
   std::size_t count = 0;
   while (count < kMost && robot_.session().WaitForSubscribers(options_.channel, count + 1, {})) ++count;
-  subscribers_ = std::max(subscribers_, count);
+  // Some that take another type have joined, too: they take bytes, and refuse them later.
+  const std::size_t fitting = Fitting();
+  subscribers_ = std::max(subscribers_, refusal_.empty() ? count : std::min(count, fitting));
 }
 
 bool Publishing::AwaitSubscribers() {
-  const std::size_t known = ChannelNamed(robot_, options_.channel).subscribers.size();
+  const std::size_t known = Fitting();
   if (known == 0 && options_.latched) return true;
   const std::chrono::nanoseconds patience = options_.robot.Timeout(std::chrono::seconds(1));
   const bool waits = options_.once() || !options_.robot.timeout_s;  // Otherwise half of --timeout is for the messages.
@@ -156,9 +178,9 @@ void Publishing::Publish(const MessageDocument& document, const yaml::Node& valu
 }
 
 std::string Publishing::Sentence() const {
-  return fmt::format("Published {} {} of {} on {} to {} {}.", published_, published_ == 1 ? "message" : "messages",
+  return fmt::format("Published {} {} of {} on {} to {} {}.{}{}", published_, published_ == 1 ? "message" : "messages",
                      type_.schema.type_name, Visible(options_.channel), subscribers_,
-                     subscribers_ == 1 ? "subscriber" : "subscribers");
+                     subscribers_ == 1 ? "subscriber" : "subscribers", refusal_.empty() ? "" : " ", refusal_);
 }
 
 void Publishing::Report() const {
@@ -340,9 +362,12 @@ int Pub::Run(Surroundings& surroundings) {
   if (!heard && !options_.latched) {
     const std::string nearest = NearestChannel(robot, options_.channel);
     const bool misspelled = !nearest.empty() && nearest != options_.channel;
+    const std::string hint = !publishing.refusal().empty() ? " " + publishing.refusal()
+                             : misspelled                  ? " Did you mean " + Visible(nearest) + "?"
+                                                           : options_.robot.SendingHint();
     surroundings.console.Say("Nobody subscribes to " + Visible(options_.channel) +
-                             (once ? ", so nobody gets the message." : " yet.") +
-                             (misspelled ? " Did you mean " + Visible(nearest) + "?" : options_.robot.SendingHint()));
+                             (publishing.refusal().empty() ? "" : " with this type") +
+                             (once ? ", so nobody gets the message." : " yet.") + hint);
     if (once) return options_.robot.timeout_s ? kTimedOut : kFailed;
   }
   try {

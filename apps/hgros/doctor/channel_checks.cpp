@@ -38,7 +38,8 @@ void CheckTypes(const KnownChannel& channel, Findings& findings) {
       if (from.type_name != to.type_name || from.encoding != to.encoding) {
         if (!said.insert(both).second) continue;
         findings.push_back({Severity::kFault, "type",
-                            fmt::format("{} publishes {} on \"{}\", but {} subscribes to {}: no message gets there.",
+                            fmt::format("{} publishes {} on \"{}\", but {} subscribes to {}: messages reach it "
+                                        "only if it takes bytes (FromAnyRaw).",
                                         ShortName(from, false), TypeOf(from, to), channel.name, ShortName(to, false),
                                         TypeOf(to, from)),
                             "Use one type in both programs, or give one of the two another channel."});

@@ -123,6 +123,26 @@ std::string NearestChannel(const Robot& robot, const std::string& name) {
   return NearestName(name, names);
 }
 
+namespace {
+
+// The channel as those use it who use it with this type; false: nobody does.
+bool NarrowTo(KnownChannel& channel, std::string_view type) {
+  KnownChannel narrowed = channel;
+  narrowed.type_name.clear();
+  for (auto* users : {&narrowed.subscribers, &narrowed.publishers}) {
+    std::erase_if(*users, [&](const ChannelUser& user) { return user.type_name != type; });
+    if (users->empty()) continue;
+    narrowed.type_name = type;
+    narrowed.encoding = users->front().encoding;
+    narrowed.fingerprint = users->front().fingerprint;
+  }
+  if (narrowed.type_name.empty()) return false;
+  channel = std::move(narrowed);
+  return true;
+}
+
+}  // namespace
+
 ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeFinder& finder,
                           const std::string& channel, const std::string& given, const std::string& otherwise) {
   KnownChannel known;
@@ -142,18 +162,19 @@ ChannelType TypeOfChannel(Robot& robot, const RobotOptions& options, const TypeF
                    (nearest.empty() ? "Name it with --type, such as --type foxglove.Log."
                                     : "Did you mean " + nearest + "? Otherwise name the type with --type."));
   }
+  // The ends of a channel may differ in their types.
+  const bool narrowed = !given.empty() && NarrowTo(known, finder.Require(given).full_name());
   if (known.encoding != Encoding::kProtobuf) {
     throw Error(shown + " has the type " + known.type_name + ", which is not protobuf, so it has no known fields.");
   }
-  if (!given.empty()) {
-    const google::protobuf::Descriptor& wanted = finder.Require(given);
-    if (wanted.full_name() != known.type_name) {
-      throw Error(shown + " has the type " + known.type_name + ", not " + wanted.full_name() + ". Leave out --type.");
-    }
+  if (!given.empty() && !narrowed) {
+    throw Error(shown + " has the type " + known.type_name + ", not " + finder.Require(given).full_name() +
+                ". Leave out --type.");
   }
   const google::protobuf::Descriptor* local = finder.Find(known.type_name);
   if (local != nullptr && SchemaFingerprint(*local) == known.fingerprint) return TypeFrom(SchemaFor(*local));
-  if (const auto schema = PublishedSchema(robot, options, known)) return TypeFrom(*schema);
+  const auto published = PublishedSchema(robot, options, known);
+  if (published && published->type_name == known.type_name) return TypeFrom(*published);
   if (const auto schema = DescribedSchema(robot, options, known)) return TypeFrom(*schema);
   if (local != nullptr) return TypeFrom(SchemaFor(*local));
   throw Error(

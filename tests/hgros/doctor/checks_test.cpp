@@ -111,9 +111,9 @@ TEST_F(DoctorChecks, SayNothingWhenNothingIsWrong) {
 
 TEST_F(DoctorChecks, NameTypesThatDoNotFit) {
   AddChannel("scan", true, true).subscribers[0].type_name = "Other";
-  EXPECT_THAT(
-      Say(CheckChannels),
-      ElementsAre("talker:1 publishes T on \"scan\", but listener:2 subscribes to Other: no message gets there."));
+  EXPECT_THAT(Say(CheckChannels),
+              ElementsAre("talker:1 publishes T on \"scan\", but listener:2 subscribes to Other: messages reach it "
+                          "only if it takes bytes (FromAnyRaw)."));
   evidence.channels[0].subscribers[0].type_name = "";  // Any type.
   EXPECT_THAT(Say(CheckChannels), IsEmpty());
 }
