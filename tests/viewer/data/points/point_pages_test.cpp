@@ -144,7 +144,7 @@ TEST(PageBook, NeedsFewPagesForWideMessagesAndManyOutliers) {
   EXPECT_LT(wide.BytesPerPoint(), 40);
   wide.ExpectAllNear(0.04, 0.07);
   Memory outliers;
-  for (int message = 0; message < 20; ++message) {
+  for (int message = 0; message < 10; ++message) {
     std::vector<Eigen::Vector3d> positions = Spread(10'000, {-30, -30, -2}, {60, 60, 5});
     const auto far = Spread(2000, {-400'000, -400'000, -400'000}, Eigen::Vector3d::Constant(800'000));
     positions.insert(positions.end(), far.begin(), far.end());
