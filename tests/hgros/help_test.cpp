@@ -50,7 +50,7 @@ TEST(HgrosHelp, ExplainsAllCommandsAndEachWithItsExamples) {
 TEST(HgrosHelp, RefusesWrongNamesAndValues) {
   EXPECT_THAT(RunToEnd({"lst"}), Ends(2, "hgros: There is no command \"lst\". Did you mean list?\n"));
   EXPECT_THAT(RunToEnd({"topic", "list"}), Ends(2, "hgros: There is no command \"topic\". Use `hgros list`.\n"));
-  for (const char* name : {"node", "launch", "bag", "rosbag"}) {
+  for (const char* name : {"node", "launch", "rosbag"}) {
     EXPECT_THAT(RunToEnd({name, "info"}), Ends(2, HasSubstr(". Use `hgros "))) << name;
   }
   EXPECT_THAT(RunToEnd({"run", "demo_nodes_cpp", "talker"}), Ends(2, HasSubstr("`hgros components`")));

@@ -17,6 +17,7 @@ constexpr std::string_view kSee = "See";
 constexpr std::string_view kCheck = "Check";
 constexpr std::string_view kSteer = "Steer";
 constexpr std::string_view kRun = "Run";
+constexpr std::string_view kRecordings = "Recordings";
 constexpr std::string_view kThis = "This program";
 
 constexpr std::string_view kKeepMessages =
@@ -78,6 +79,12 @@ constexpr std::array kCommands{
     CommandEntry{"export kubernetes", "Write a Job or Deployment of Kubernetes", kRun, MakeExportKubernetes},
     CommandEntry{"components", "Show component types with their channels and parameters", kRun, MakeComponents},
 
+    CommandEntry{"bag", "Show, check and repair recordings: MCAP files", kRecordings, nullptr},
+    CommandEntry{"bag info", "Show what is in a recording", kRecordings, MakeBagInfo},
+    CommandEntry{"bag check", "List what is damaged in a recording", kRecordings, MakeBagCheck},
+    CommandEntry{"bag recover", "Write what can be read of a damaged recording into a new one", kRecordings,
+                 MakeBagRecover},
+
     CommandEntry{"help", "Explain a command", kThis, MakeHelp},
     CommandEntry{"completion", "Print a script that completes commands in a shell", kThis, MakeCompletion},
     CommandEntry{"__complete", "Complete a command line", kThis, MakeComplete},
@@ -86,14 +93,17 @@ constexpr std::array kCommands{
 };
 
 // What users of ROS type, and what they look for. A longer name comes before its beginning.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 19> kElsewhere{{
-    {"topic list", "`hgros list`"},       {"topic echo", "`hgros echo`"},   {"topic hz", "`hgros hz`"},
-    {"topic bw", "`hgros bw`"},           {"topic delay", "`hgros delay`"}, {"topic info", "`hgros info`"},
-    {"topic pub", "`hgros pub`"},         {"topic", "`hgros list`"},        {"node info", "`hgros info`"},
-    {"node", "`hgros list nodes`"},       {"service call", "`hgros call`"}, {"service", "`hgros list services`"},
-    {"component", "`hgros components`"},  {"interface", "`hgros schema`"},  {"msg", "`hgros schema`"},
-    {"launch", "`hgros run FILE`"},       {"bag", kKeepMessages},           {"rosbag", kKeepMessages},
-    {"rviz", "the program hgros-viewer"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kElsewhere{{
+    {"topic list", "`hgros list`"},      {"topic echo", "`hgros echo`"},
+    {"topic hz", "`hgros hz`"},          {"topic bw", "`hgros bw`"},
+    {"topic delay", "`hgros delay`"},    {"topic info", "`hgros info`"},
+    {"topic pub", "`hgros pub`"},        {"topic", "`hgros list`"},
+    {"node info", "`hgros info`"},       {"node", "`hgros list nodes`"},
+    {"service call", "`hgros call`"},    {"service", "`hgros list services`"},
+    {"component", "`hgros components`"}, {"interface", "`hgros schema`"},
+    {"msg", "`hgros schema`"},           {"launch", "`hgros run FILE`"},
+    {"bag record", kKeepMessages},       {"rosbag", kKeepMessages},
+    {"bag play", kKeepMessages},         {"rviz", "the program hgros-viewer"},
 }};
 
 // In place of a command of ROS; empty: it is none.
@@ -131,8 +141,10 @@ const CommandEntry& TakeCommand(std::vector<std::string>& words) {
     return *entry;
   };
   const CommandEntry* first = FindCommand(words.front());
-  if (const std::string_view instead = first == nullptr ? InsteadOf(words) : ""; !instead.empty()) {
-    throw UsageError("There is no command \"" + words.front() + "\". Use " + std::string(instead) + ".");
+  const std::string_view instead = first == nullptr || first->family() ? InsteadOf(words) : "";
+  if (!instead.empty()) {
+    const std::string name = first == nullptr ? words[0] : words[0] + " " + words[1];
+    throw UsageError("There is no command \"" + name + "\". Use " + std::string(instead) + ".");
   }
   if (words.front() == "run" && words.size() > 2 && !words[1].starts_with('-') && !words[2].starts_with('-')) {
     throw UsageError("`hgros run` takes one robot file. `hgros components` lists what a robot file can start.");

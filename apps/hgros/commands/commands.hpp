@@ -19,6 +19,9 @@ namespace hgros::cli {
 [[nodiscard]] const CommandEntry& TakeCommand(std::vector<std::string>& words);
 
 // Those of robots that hgros run starts are in robots.
+std::unique_ptr<Command> MakeBagCheck();
+std::unique_ptr<Command> MakeBagInfo();
+std::unique_ptr<Command> MakeBagRecover();
 std::unique_ptr<Command> MakeBw();
 std::unique_ptr<Command> MakeCall();
 std::unique_ptr<Command> MakeCheck();

@@ -51,6 +51,7 @@ constexpr const char* kRuns =
     "check --schema --robot-file; new /dev/null; run /dev/null; ps; logs; restart mapper; move mapper --to front; "
     "stop; wait; "
     "wait --service ask; "
+    "bag info /dev/null; bag check /dev/null; bag recover /dev/null; "
     "export systemd robot.yaml; export compose robot.yaml; export kubernetes robot.yaml; components; help list; "
     "completion bash; __complete -- echo ''; __complete -- param get ''; __man; __hosted";
 
